@@ -1,0 +1,65 @@
+# One way to declare a library, a tool, a test and a benchmark, so that all rooms share flags and habits.
+
+option(BAKELIGHT_WERROR "Treat warnings as errors" ON)
+set(BAKELIGHT_SANITIZE "" CACHE STRING "Sanitizers, for example address,undefined")
+
+add_library(bakelight_flags INTERFACE)
+target_include_directories(bakelight_flags INTERFACE ${CMAKE_SOURCE_DIR})
+# -ffp-contract=off: a fused multiply-add rounds once where the portable path rounds twice; stage outputs must
+# not depend on which instructions a processor has.
+# -ffile-prefix-map: a binary, and with it the cache key of a stage, does not depend on where it was built.
+target_compile_options(bakelight_flags INTERFACE
+  -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -ffp-contract=off
+  -ffile-prefix-map=${CMAKE_SOURCE_DIR}=. -ffile-prefix-map=${CMAKE_BINARY_DIR}=build)
+if(BAKELIGHT_WERROR)
+  target_compile_options(bakelight_flags INTERFACE -Werror)
+endif()
+if(BAKELIGHT_SANITIZE)
+  target_compile_options(bakelight_flags INTERFACE -fsanitize=${BAKELIGHT_SANITIZE} -fno-omit-frame-pointer
+    -fno-sanitize-recover=all)
+  target_link_options(bakelight_flags INTERFACE -fsanitize=${BAKELIGHT_SANITIZE})
+endif()
+
+# bakelight_library(NAME SOURCES a.cpp ... [PUBLIC libs] [PRIVATE libs] [PRECOMPILE <headers>])
+function(bakelight_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE;PRECOMPILE" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC bakelight_flags ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  if(ARG_PRECOMPILE)
+    target_precompile_headers(${name} PRIVATE ${ARG_PRECOMPILE})
+  endif()
+endfunction()
+
+# bakelight_executable(NAME SOURCES main.cpp LIBRARIES libs): lands in <build>/bin.
+function(bakelight_executable name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  # The target is called NAME-tool, as `pack` or `transfer` would be taken for words of the build system.
+  add_executable(${name}-tool ${ARG_SOURCES})
+  set_target_properties(${name}-tool PROPERTIES OUTPUT_NAME ${name})
+  target_link_libraries(${name}-tool PRIVATE bakelight_flags ${ARG_LIBRARIES})
+endfunction()
+
+# bakelight_test(NAME SOURCES a_test.cpp ... LIBRARIES libs [DEPENDS targets]): one GoogleTest program a room;
+# each TEST becomes a ctest of its own, named Suite.Test.
+function(bakelight_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES;DEPENDS;PROPERTIES" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE bakelight_flags ${ARG_LIBRARIES} GTest::gtest GTest::gmock GTest::gtest_main)
+  target_precompile_headers(${name} PRIVATE <gtest/gtest.h> <gmock/gmock.h> <string> <vector> <filesystem>)
+  target_compile_definitions(${name} PRIVATE
+    BAKELIGHT_SOURCE_DIR="${CMAKE_SOURCE_DIR}" BAKELIGHT_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  if(ARG_DEPENDS)
+    add_dependencies(${name} ${ARG_DEPENDS})
+  endif()
+  include(GoogleTest)
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600 ${ARG_PROPERTIES})
+endfunction()
+
+# bakelight_benchmark(NAME SOURCES x.cpp LIBRARIES libs): a Google Benchmark program in <build>/bin.
+function(bakelight_benchmark name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE bakelight_flags ${ARG_LIBRARIES} benchmark::benchmark)
+  target_compile_definitions(${name} PRIVATE BAKELIGHT_DATA_DIR="${CMAKE_BINARY_DIR}/assets")
+endfunction()

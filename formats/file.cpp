@@ -1,0 +1,117 @@
+#include "formats/file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+
+#include "formats/error.h"
+
+namespace bakelight::formats {
+namespace fs = std::filesystem;
+namespace {
+
+std::string systemMessage(int error) {
+  return std::strerror(error);
+}
+
+// Closes on every path out; close errors matter only where they are asked for.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return number_; }
+  bool valid() const { return number_ >= 0; }
+  bool close() {
+    const int number = number_;
+    number_ = -1;
+    return ::close(number) == 0;
+  }
+
+ private:
+  int number_;
+};
+
+void writeAll(const Descriptor& file, std::span<const std::byte> bytes, const fs::path& path) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file.get(), bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) throw cannotWrite(path.string(), "writing failed: " + systemMessage(errno));
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+}
+
+// Unique among the threads and processes of this machine.
+fs::path temporaryNameFor(const fs::path& path) {
+  static std::atomic<unsigned> counter{0};
+  fs::path name = path;
+  name += ".tmp-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
+  return name;
+}
+
+}  // namespace
+
+Bytes readFile(const fs::path& path) {
+  const auto refuse = [&](const std::string& what) {
+    return badInput({path.string(), "", ""}, what, "a file that can be read",
+                    "check the path and its permissions");
+  };
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.valid()) throw refuse("cannot be opened: " + systemMessage(errno));
+  struct stat status {};
+  if (::fstat(file.get(), &status) != 0) throw refuse("cannot be examined: " + systemMessage(errno));
+  if (S_ISDIR(status.st_mode)) throw refuse("is a folder");
+
+  Bytes bytes(static_cast<std::size_t>(status.st_size));
+  std::size_t filled = 0;
+  while (true) {
+    // Pipes and /proc files state no size: grow as long as something comes.
+    if (filled == bytes.size()) bytes.resize(bytes.size() + (status.st_size > 0 ? 1 : 65536));
+    const ssize_t got = ::read(file.get(), bytes.data() + filled, bytes.size() - filled);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw refuse("cannot be read: " + systemMessage(errno));
+    if (got == 0) break;
+    filled += static_cast<std::size_t>(got);
+  }
+  bytes.resize(filled);
+  return bytes;
+}
+
+std::string readTextFile(const fs::path& path) {
+  const Bytes bytes = readFile(path);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+void writeFileAtomically(const fs::path& path, std::span<const std::byte> bytes) {
+  std::error_code failed;
+  if (path.has_parent_path()) fs::create_directories(path.parent_path(), failed);
+  if (failed) throw cannotWrite(path.string(), "its folder cannot be made: " + failed.message());
+
+  const fs::path temporary = temporaryNameFor(path);
+  try {
+    Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    if (!file.valid()) throw cannotWrite(path.string(), "cannot be created: " + systemMessage(errno));
+    writeAll(file, bytes, path);
+    // Without the sync a crash soon after the rename can leave an empty file under the final name.
+    if (::fsync(file.get()) != 0) throw cannotWrite(path.string(), "writing failed: " + systemMessage(errno));
+    if (!file.close()) throw cannotWrite(path.string(), "writing failed: " + systemMessage(errno));
+    if (::rename(temporary.c_str(), path.c_str()) != 0)
+      throw cannotWrite(path.string(), "cannot be put in place: " + systemMessage(errno));
+  } catch (...) {
+    ::unlink(temporary.c_str());
+    throw;
+  }
+}
+
+void writeFileAtomically(const fs::path& path, std::string_view text) {
+  writeFileAtomically(path, std::as_bytes(std::span(text)));
+}
+
+}  // namespace bakelight::formats
