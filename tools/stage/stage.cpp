@@ -1,0 +1,382 @@
+#include "tools/stage/stage.h"
+
+#include <signal.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "formats/error.h"
+#include "formats/file.h"
+#include "formats/stage_record.h"
+
+namespace bakelight::stage {
+
+using formats::Json;
+using formats::ParameterDescription;
+using formats::ParameterType;
+using formats::PortDescription;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Port {
+  PortDescription description;
+  fs::path* path;
+};
+
+struct Parameter {
+  ParameterDescription description;
+  std::function<void(const Json&)> assign;  // takes a checked, canonical value
+};
+
+// The options that every tool has.
+struct CommonOptions {
+  std::string parameters_file, stats_file, progress = "auto";
+  int threads = 0;
+  bool describe = false;
+};
+
+std::string optionName(const std::string& name) {
+  std::string option = "--" + name;
+  std::replace(option.begin(), option.end(), '_', '-');
+  return option;
+}
+
+// What stands behind an option in --help: "INTEGER from 1 to 10 [5]".
+std::string helpText(const ParameterDescription& parameter) {
+  std::string text = parameter.help + " (" + formats::expectation(parameter);
+  if (!parameter.unit.empty()) text += ", " + parameter.unit;
+  const Json& value = parameter.default_value;
+  return text + "; default " + (value.is_string() ? value.get<std::string>() : value.dump()) + ")";
+}
+
+// A command-line word as the JSON value that a parameter file would hold. Words that do not parse become
+// strings, so that checkParameter complains about them in its own terms.
+Json jsonFromWords(const ParameterDescription& parameter, const std::vector<std::string>& words) {
+  const auto one = [](const std::string& word) {
+    const Json parsed = Json::parse(word, nullptr, false);
+    return parsed.is_discarded() ? Json(word) : parsed;
+  };
+  if (parameter.type == ParameterType::kText) return words.front();
+  if (parameter.type != ParameterType::kRealList) return one(words.front());
+  Json list = Json::array();
+  for (const auto& word : words) list.push_back(one(word));
+  return list;
+}
+
+ProgressStyle progressStyle(const std::string& name) {
+  if (name == "bar") return ProgressStyle::kBar;
+  if (name == "lines") return ProgressStyle::kLines;
+  if (name == "json") return ProgressStyle::kJson;
+  if (name == "none") return ProgressStyle::kNone;
+  return automaticProgressStyle();
+}
+
+bool reportsAsJson(const CommonOptions& common) {
+  return common.progress == "json";
+}
+
+void printJsonLine(const Json& line) {
+  std::fprintf(stderr, "%s\n", line.dump(-1, ' ', false, Json::error_handler_t::replace).c_str());
+}
+
+int report(const std::string& tool, const Error& error, bool as_json) {
+  if (as_json)
+    printJsonLine({{"error",
+                    {{"file", error.place().file},
+                     {"element", error.place().element},
+                     {"pointer", error.place().pointer},
+                     {"problem", error.problem()},
+                     {"expected", error.expected()},
+                     {"remedy", error.remedy()},
+                     {"paragraph", error.paragraph()},
+                     {"status", static_cast<int>(error.status())}}}});
+  else
+    std::fprintf(stderr, "%s: %s\n", tool.c_str(), error.paragraph().c_str());
+  return static_cast<int>(error.status());
+}
+
+// A stage writes whole files under temporary names, so stopping at any instant loses nothing but the run.
+void stopAtSignals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) {
+    formats::removeUnfinishedFile();
+    ::_exit(static_cast<int>(ExitStatus::kInterrupted));
+  };
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+  // A file-size limit then shows as a failed write, which is reported like a full disk.
+  ::signal(SIGXFSZ, SIG_IGN);
+}
+
+double seconds(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+formats::StageRecord measuredRecord(const std::string& tool, const Run& run,
+                                    std::chrono::steady_clock::time_point start) {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  formats::StageRecord record;
+  record.tool = tool;
+  record.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  record.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  record.peak_memory_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+  record.warnings = run.warnings();
+  record.stats = run.stats();
+  return record;
+}
+
+}  // namespace
+
+Run::Run(int threads, ProgressStyle style)
+    : threads_(threads), style_(style), stats_(std::make_shared<Json>(Json::object())) {}
+
+void Run::stat(const std::string& name, Json value) {
+  (*stats_)[name] = std::move(value);
+}
+
+void Run::warn(const std::string& text) {
+  warnings_.push_back(text);
+  if (style_ == ProgressStyle::kJson)
+    printJsonLine({{"warning", text}});
+  else
+    spdlog::warn(text);
+}
+
+struct Tool::Implementation {
+  std::string name, summary;
+  std::vector<Port> inputs, outputs;
+  std::vector<Parameter> parameters;
+  std::function<std::string()> execution_path = [] { return std::string(); };
+
+  Parameter& add(ParameterDescription description, std::function<void(const Json&)> assign) {
+    return parameters.emplace_back(Parameter{std::move(description), std::move(assign)});
+  }
+};
+
+Tool::Tool(std::string name, std::string summary) : implementation_(std::make_unique<Implementation>()) {
+  implementation_->name = std::move(name);
+  implementation_->summary = std::move(summary);
+}
+
+Tool::~Tool() = default;
+
+Tool& Tool::input(const std::string& name, const std::string& kind, fs::path& path, const std::string& help,
+                  bool required) {
+  implementation_->inputs.push_back({{name, kind, required, help}, &path});
+  return *this;
+}
+
+Tool& Tool::output(const std::string& name, const std::string& kind, fs::path& path, const std::string& help,
+                   bool required) {
+  implementation_->outputs.push_back({{name, kind, required, help}, &path});
+  return *this;
+}
+
+namespace {
+
+ParameterDescription describe(const std::string& name, ParameterType type, Json default_value,
+                              const std::string& unit, const std::string& help) {
+  ParameterDescription description;
+  description.name = name;
+  description.type = type;
+  description.default_value = std::move(default_value);
+  description.unit = unit;
+  description.help = help;
+  return description;
+}
+
+ParameterDescription withRange(ParameterDescription description, Tool::Range range) {
+  description.minimum = range.minimum;
+  description.maximum = range.maximum;
+  return description;
+}
+
+}  // namespace
+
+Tool& Tool::parameter(const std::string& name, bool& value, const std::string& help) {
+  implementation_->add(describe(name, ParameterType::kBoolean, value, "", help),
+                       [&value](const Json& json) { value = json.get<bool>(); });
+  return *this;
+}
+
+Tool& Tool::parameter(const std::string& name, int& value, Range range, const std::string& unit,
+                      const std::string& help) {
+  implementation_->add(withRange(describe(name, ParameterType::kInteger, value, unit, help), range),
+                       [&value](const Json& json) { value = json.get<int>(); });
+  return *this;
+}
+
+Tool& Tool::parameter(const std::string& name, double& value, Range range, const std::string& unit,
+                      const std::string& help) {
+  implementation_->add(withRange(describe(name, ParameterType::kReal, value, unit, help), range),
+                       [&value](const Json& json) { value = json.get<double>(); });
+  return *this;
+}
+
+Tool& Tool::parameter(const std::string& name, formats::Float3& value, Range range, const std::string& unit,
+                      const std::string& help) {
+  Json default_value = Json::array();
+  // Through the decimal text, so that 0.8f shows as 0.8 and not as 0.800000011920929.
+  for (const float element : value) default_value.push_back(Json::parse(Json(element).dump()));
+  ParameterDescription description =
+      withRange(describe(name, ParameterType::kRealList, default_value, unit, help), range);
+  description.length = 3;
+  implementation_->add(std::move(description), [&value](const Json& json) {
+    for (std::size_t i = 0; i < 3; ++i) value[i] = json[i].get<float>();
+  });
+  return *this;
+}
+
+Tool& Tool::parameter(const std::string& name, std::string& value, std::vector<std::string> choices,
+                      const std::string& help) {
+  ParameterDescription description = describe(name, ParameterType::kText, value, "", help);
+  description.choices = std::move(choices);
+  implementation_->add(std::move(description),
+                       [&value](const Json& json) { value = json.get<std::string>(); });
+  return *this;
+}
+
+Tool& Tool::executionPath(std::function<std::string()> describe_path) {
+  implementation_->execution_path = std::move(describe_path);
+  return *this;
+}
+
+formats::ToolDescription Tool::description() const {
+  formats::ToolDescription description;
+  description.tool = implementation_->name;
+  description.summary = implementation_->summary;
+  description.execution_path = implementation_->execution_path();
+  for (const auto& port : implementation_->inputs) description.inputs.push_back(port.description);
+  for (const auto& port : implementation_->outputs) description.outputs.push_back(port.description);
+  for (const auto& parameter : implementation_->parameters)
+    description.parameters.push_back(parameter.description);
+  return description;
+}
+
+int Tool::run(int argc, char** argv, const std::function<void(Run&)>& body) {
+  const auto start = std::chrono::steady_clock::now();
+  CommonOptions common;
+
+  // Command line: what to declare
+  CLI::App app(implementation_->summary, implementation_->name);
+  app.set_version_flag("--version", implementation_->name + " (Bakelight) " BAKELIGHT_VERSION);
+  app.get_formatter()->column_width(32);
+  for (auto* ports : {&implementation_->inputs, &implementation_->outputs})
+    for (auto& port : *ports)
+      app.add_option_function<std::string>(
+             optionName(port.description.name), [&port](const std::string& path) { *port.path = path; },
+             port.description.help + " (" + port.description.kind +
+                 (port.description.required ? ")" : ", optional)"))
+          ->type_name("PATH")
+          ->group(ports == &implementation_->inputs ? "Inputs" : "Outputs");
+  std::vector<std::vector<std::string>> words(implementation_->parameters.size());
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const auto& description = implementation_->parameters[i].description;
+    auto* option =
+        app.add_option(optionName(description.name), words[i], helpText(description))->group("Parameters");
+    option->type_name("")->expected(description.type == ParameterType::kRealList ? description.length : 1);
+    // --flag alone means true.
+    if (description.type == ParameterType::kBoolean) option->expected(0, 1)->default_str("true");
+  }
+  app.add_option("--parameters", common.parameters_file,
+                 "JSON object with parameters; options given here win over it")
+      ->type_name("FILE")
+      ->group("Common");
+  app.add_option("--threads", common.threads, "Worker threads, 0 = all cores; outputs never depend on it")
+      ->check(CLI::Range(0, 4096))
+      ->group("Common");
+  app.add_option("--stats", common.stats_file, "Write timings, counts and warnings there (stats.json)")
+      ->type_name("FILE")
+      ->group("Common");
+  app.add_option("--progress", common.progress, "auto, bar, lines, json or none")
+      ->check(CLI::IsMember({"auto", "bar", "lines", "json", "none"}))
+      ->group("Common");
+  app.add_flag("--describe", common.describe, "Print inputs, outputs and parameters as JSON")
+      ->group("Common");
+
+  // Command line: what was said
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    return app.exit(help_or_version);
+  } catch (const CLI::ParseError& error) {
+    return report(
+        implementation_->name,
+        Error(ExitStatus::kUsage, {}, error.what(), "", implementation_->name + " --help for what there is"),
+        reportsAsJson(common));
+  }
+  if (common.describe) {
+    std::cout << formats::toJson(description()).dump(2) << "\n";
+    return 0;
+  }
+
+  spdlog::set_default_logger(spdlog::stderr_color_mt(implementation_->name));
+  spdlog::set_pattern("%n: %^%l%$: %v");
+  stopAtSignals();
+  try {
+    if (!common.parameters_file.empty()) {
+      const Json values = formats::readJson(common.parameters_file);
+      const Json checked = formats::checkParameters(description(), values, {common.parameters_file, "", ""});
+      for (const auto& parameter : implementation_->parameters)
+        if (checked.contains(parameter.description.name))
+          parameter.assign(checked[parameter.description.name]);
+    }
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      const auto& parameter = implementation_->parameters[i];
+      const auto* option = app.get_option(optionName(parameter.description.name));
+      if (option->count() == 0) continue;
+      if (words[i].empty()) words[i] = {"true"};
+      const ErrorPlace place{"", optionName(parameter.description.name), ""};
+      try {
+        parameter.assign(formats::checkParameter(parameter.description,
+                                                 jsonFromWords(parameter.description, words[i]), place));
+      } catch (const Error& error) {
+        throw Error(ExitStatus::kUsage, place, error.problem(), error.expected(), error.remedy());
+      }
+    }
+    for (const auto* ports : {&implementation_->inputs, &implementation_->outputs})
+      for (const auto& port : *ports)
+        if (port.description.required && port.path->empty())
+          throw Error(ExitStatus::kUsage, {}, optionName(port.description.name) + " is missing",
+                      port.description.help + " (" + port.description.kind + ")",
+                      implementation_->name + " --help for an overview");
+
+    const int threads = common.threads > 0 ? common.threads : tbb::info::default_concurrency();
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(threads));
+    Run run(threads, progressStyle(common.progress));
+    body(run);
+    if (!common.stats_file.empty())
+      formats::writeJson(common.stats_file,
+                         formats::toJson(measuredRecord(implementation_->name, run, start)));
+    return static_cast<int>(ExitStatus::kDone);
+  } catch (const Error& error) {
+    return report(implementation_->name, error, reportsAsJson(common));
+  } catch (const std::bad_alloc&) {
+    return report(implementation_->name,
+                  Error(ExitStatus::kNotAvailable, {}, "this machine's memory is not enough", "",
+                        "a smaller mesh, a lower order, or a machine with more memory"),
+                  reportsAsJson(common));
+  } catch (const std::exception& error) {
+    return report(implementation_->name,
+                  Error(ExitStatus::kNotAvailable, {}, std::string("internal error: ") + error.what(), "",
+                        "report it with the command line and the inputs; nothing was written"),
+                  reportsAsJson(common));
+  }
+}
+
+}  // namespace bakelight::stage

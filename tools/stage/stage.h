@@ -1,0 +1,92 @@
+// The contract that every tool fulfils. Parameters are declared once; the command line, the JSON keys, --help
+// and
+// --describe all come from that declaration. A tool's main declares, then hands run() a body that loads,
+// computes, writes and reports; run() catches every error, prints one paragraph and returns the exit status.
+//
+// Every tool understands, besides its own inputs, outputs and parameters:
+//   --parameters FILE   JSON object with parameter values; the command line wins over it
+//   --threads N         worker threads, 0 = all cores (outputs never depend on it)
+//   --stats FILE        write stats.json (formats/stage_record.h) there
+//   --progress STYLE    auto, bar, lines, json, none
+//   --describe          print the formats::ToolDescription as JSON and exit
+//   --help, --version
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "formats/json.h"
+#include "formats/tool_description.h"
+#include "formats/triangle_mesh.h"
+#include "tools/stage/progress.h"
+
+namespace bakelight::stage {
+
+// What a running tool's body sees.
+class Run {
+ public:
+  Run(int threads, ProgressStyle style);
+
+  int threads() const { return threads_; }  // >= 1
+  ProgressStyle progressStyle() const { return style_; }
+  // A figure for stats.json; the unit belongs in the name ("rays_per_s", "peak_bytes").
+  void stat(const std::string& name, formats::Json value);
+  // Shown at once and kept in stats.json.
+  void warn(const std::string& text);
+  Progress progress(std::string label, std::uint64_t total, std::string unit) const {
+    return Progress(style_, std::move(label), total, std::move(unit));
+  }
+
+  const formats::Json& stats() const { return *stats_; }
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  int threads_;
+  ProgressStyle style_;
+  std::shared_ptr<formats::Json> stats_;
+  std::vector<std::string> warnings_;
+};
+
+class Tool {
+ public:
+  Tool(std::string name, std::string summary);
+  ~Tool();
+
+  // What the reference points to is filled in before the body runs. A parameter's default is the value that
+  // the reference holds when it is declared.
+  Tool& input(const std::string& name, const std::string& kind, std::filesystem::path& path,
+              const std::string& help, bool required = true);
+  Tool& output(const std::string& name, const std::string& kind, std::filesystem::path& path,
+               const std::string& help, bool required = true);
+
+  struct Range {
+    double minimum, maximum;  // inclusive
+  };
+  Tool& parameter(const std::string& name, bool& value, const std::string& help);
+  Tool& parameter(const std::string& name, int& value, Range range, const std::string& unit,
+                  const std::string& help);
+  Tool& parameter(const std::string& name, double& value, Range range, const std::string& unit,
+                  const std::string& help);
+  Tool& parameter(const std::string& name, formats::Float3& value, Range range, const std::string& unit,
+                  const std::string& help);
+  Tool& parameter(const std::string& name, std::string& value, std::vector<std::string> choices,
+                  const std::string& help);
+
+  // See ToolDescription::execution_path. Evaluated for --describe only.
+  Tool& executionPath(std::function<std::string()> describe);
+
+  formats::ToolDescription description() const;
+
+  // Parses, runs `body`, writes the stats, reports errors. The process's exit status.
+  int run(int argc, char** argv, const std::function<void(Run&)>& body);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace bakelight::stage

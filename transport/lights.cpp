@@ -1,0 +1,141 @@
+#include "transport/lights.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "formats/error.h"
+
+namespace bakelight::transport {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// Indices of the red, green and blue channels. A layer prefix ("Combined.R") is allowed; one channel serves
+// all three.
+std::array<std::size_t, 3> colorChannels(const formats::Image& image, const std::string& file) {
+  if (image.channelCount() == 1) return {0, 0, 0};
+  std::array<std::size_t, 3> found{};
+  const std::array<std::string, 3> names = {"R", "G", "B"};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto matches = [&](const std::string& name) {
+      return name == names[c] || name.ends_with("." + names[c]);
+    };
+    const auto it = std::find_if(image.channel_names.begin(), image.channel_names.end(), matches);
+    if (it == image.channel_names.end())
+      throw badInput({file, "channel " + names[c], ""}, "is missing", "channels R, G and B, or a single one",
+                     "save the probe as an RGB image");
+    found[c] = static_cast<std::size_t>(it - image.channel_names.begin());
+  }
+  return found;
+}
+
+void checkLatLong(const formats::Image& image, const std::string& file) {
+  if (image.width != 2 * image.height || image.height < 1)
+    throw badInput({file, "", ""},
+                   "is " + std::to_string(image.width) + " × " + std::to_string(image.height) +
+                       " pixels, so it is no lat-long probe",
+                   "an image twice as wide as high",
+                   "convert the probe to the equirectangular (lat-long) layout");
+}
+
+std::vector<double> rowSums(const formats::Image& image, int row, int order,
+                            const std::array<std::size_t, 3>& channels) {
+  const int count = coefficientCount(order);
+  std::vector<double> sums(3 * static_cast<std::size_t>(count), 0.0), basis(count);
+  for (int x = 0; x < image.width; ++x) {
+    evaluateSh(order, directionOfLatLong((x + 0.5) / image.width, (row + 0.5) / image.height), basis);
+    const float* texel = image.texel(x, row);
+    for (int c = 0; c < 3; ++c) {
+      const double radiance = texel[channels[c]];
+      for (int i = 0; i < count; ++i) sums[c * count + i] += radiance * basis[i];
+    }
+  }
+  // Every texel of a row has the same exact solid angle: Δφ (sin of the upper − sin of the lower latitude).
+  const double top = kPi * (0.5 - static_cast<double>(row) / image.height);
+  const double solid_angle_sr = 2 * kPi / image.width * (std::sin(top) - std::sin(top - kPi / image.height));
+  for (double& sum : sums) sum *= solid_angle_sr;
+  return sums;
+}
+
+}  // namespace
+
+Vec3 directionOfLatLong(double u, double v) {
+  const double longitude = kPi * (1 - 2 * u), latitude = kPi * (0.5 - v);
+  const double horizontal = std::cos(latitude);
+  return {horizontal * std::sin(longitude), std::sin(latitude), horizontal * std::cos(longitude)};
+}
+
+std::array<double, 2> latLongOfDirection(const Vec3& direction) {
+  const double longitude = std::atan2(direction.x(), direction.z());
+  const double latitude = std::atan2(direction.y(), std::hypot(direction.x(), direction.z()));
+  return {0.5 - longitude / (2 * kPi), 0.5 - latitude / kPi};
+}
+
+ShLight projectLatLong(const formats::Image& image, int order, const std::string& file) {
+  checkLatLong(image, file);
+  const auto channels = colorChannels(image, file);
+  std::vector<std::vector<double>> rows(image.height);
+  tbb::parallel_for(0, image.height, [&](int row) { rows[row] = rowSums(image, row, order, channels); });
+
+  // Summed in row order: the same bytes whatever the number of threads.
+  const int count = coefficientCount(order);
+  std::vector<double> total(3 * static_cast<std::size_t>(count), 0.0);
+  for (const auto& row : rows)
+    for (std::size_t i = 0; i < total.size(); ++i) total[i] += row[i];
+  ShLight light(count);
+  for (int i = 0; i < count; ++i)
+    for (int c = 0; c < 3; ++c) light[i][c] = static_cast<float>(total[c * count + i]);
+  return light;
+}
+
+Float3 lookUpLatLong(const formats::Image& image, const Vec3& direction) {
+  const auto [u, v] = latLongOfDirection(direction);
+  const double x = u * image.width - 0.5, y = std::clamp(v * image.height - 0.5, 0.0, image.height - 1.0);
+  const int column = static_cast<int>(std::floor(x)), row = std::min(static_cast<int>(y), image.height - 1);
+  const int left = (column + image.width) % image.width, right = (left + 1) % image.width;
+  const int below = std::min(row + 1, image.height - 1);
+  const auto across = static_cast<float>(x - column), down = static_cast<float>(y - row);
+
+  const std::array<std::size_t, 3> channels = colorChannels(image, "environment");
+  Float3 radiance;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto at = [&](int tx, int ty) { return image.texel(tx, ty)[channels[c]]; };
+    const float upper = at(left, row) + across * (at(right, row) - at(left, row));
+    const float lower = at(left, below) + across * (at(right, below) - at(left, below));
+    radiance[c] = upper + down * (lower - upper);
+  }
+  return radiance;
+}
+
+ShLight diskLight(int order, const Vec3& axis, double half_angle_rad, const Float3& radiance) {
+  const std::vector<double> coefficients = orientZonal(diskLightZonal(order, half_angle_rad), axis);
+  ShLight light(coefficients.size());
+  for (std::size_t i = 0; i < light.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) light[i][c] = static_cast<float>(radiance[c] * coefficients[i]);
+  return light;
+}
+
+ShLight uniformLight(int order, const Float3& radiance) {
+  ShLight light(coefficientCount(order), Float3{0, 0, 0});
+  for (std::size_t c = 0; c < 3; ++c) light[0][c] = static_cast<float>(std::sqrt(4 * kPi) * radiance[c]);
+  return light;
+}
+
+ShLight sum(const ShLight& a, const ShLight& b) {
+  ShLight total = a;
+  for (std::size_t i = 0; i < total.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) total[i][c] += b.at(i)[c];
+  return total;
+}
+
+ShLight defaultLight(int order) {
+  const Vec3 towards_key = Vec3(-0.5, 0.7, 0.6).normalized();
+  return sum(diskLight(order, towards_key, 0.6, {2.6f, 2.5f, 2.3f}),
+             uniformLight(order, {0.25f, 0.28f, 0.33f}));
+}
+
+}  // namespace bakelight::transport

@@ -1,0 +1,37 @@
+// Distant light as SH coefficients, RGB: order² entries of linear radiance.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "formats/image.h"
+#include "transport/sh.h"
+
+namespace bakelight::transport {
+
+using ShLight = std::vector<Float3>;
+
+// Lat-long orientation (that of OpenEXR's environment maps): +Y is the top row; the centre column looks along
+// +Z, the left and right edges along −Z, a quarter from the left is +X. So an image is seen unmirrored from
+// inside.
+Vec3 directionOfLatLong(double u, double v);  // u, v in [0, 1], v = 0 at the top row's upper edge
+std::array<double, 2> latLongOfDirection(const Vec3& direction);
+
+// L_i = ∫ L(s) y_i(s) ds; each texel weighs its exact solid angle Δφ (sin θ_top − sin θ_bottom) (latitudes),
+// with the basis at its centre. Takes the channels R, G, B (or one channel for all three) whatever layer
+// prefix they carry. Throws Error(kBadInput) naming `file` if the image is not twice as wide as high or has
+// no such channels. Cost: texels × order² multiply-adds, on all TBB threads.
+ShLight projectLatLong(const formats::Image& image, int order, const std::string& file);
+
+// Radiance towards `direction`, bilinear across texel centres, wrapping around in longitude.
+Float3 lookUpLatLong(const formats::Image& image, const Vec3& direction);
+
+// A uniform disk of half angle `half_angle_rad` around `axis` (towards the light).
+ShLight diskLight(int order, const Vec3& axis, double half_angle_rad, const Float3& radiance);
+ShLight uniformLight(int order, const Float3& radiance);
+ShLight sum(const ShLight& a, const ShLight& b);
+
+// The light of a scene that names none: a soft key from the upper left front over a dim uniform sky.
+ShLight defaultLight(int order);
+
+}  // namespace bakelight::transport
