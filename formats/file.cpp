@@ -48,6 +48,34 @@ void writeAll(const Descriptor& file, std::span<const std::byte> bytes, const fs
   }
 }
 
+// The temporary file being filled, for removeUnfinishedFile. A handler may run at any instant, so the name
+// sits in a fixed buffer and the flag is raised only while the buffer is whole. One writer at a time owns the
+// buffer; a second thread that writes meanwhile goes unregistered, which costs a stray file at worst.
+constexpr std::size_t kMaxNameLength = 4096;
+char unfinished_name[kMaxNameLength];
+std::atomic<bool> unfinished_owned{false}, unfinished_set{false};
+
+class UnfinishedFile {
+ public:
+  explicit UnfinishedFile(const std::string& name)
+      : owner_(name.size() < kMaxNameLength && !unfinished_owned.exchange(true)) {
+    if (!owner_) return;
+    name.copy(unfinished_name, name.size());
+    unfinished_name[name.size()] = '\0';
+    unfinished_set = true;
+  }
+  ~UnfinishedFile() {
+    if (!owner_) return;
+    unfinished_set = false;
+    unfinished_owned = false;
+  }
+  UnfinishedFile(const UnfinishedFile&) = delete;
+  UnfinishedFile& operator=(const UnfinishedFile&) = delete;
+
+ private:
+  bool owner_;
+};
+
 // Unique among the threads and processes of this machine.
 fs::path temporaryNameFor(const fs::path& path) {
   static std::atomic<unsigned> counter{0};
@@ -95,6 +123,7 @@ void writeFileAtomically(const fs::path& path, std::span<const std::byte> bytes)
   if (failed) throw cannotWrite(path.string(), "its folder cannot be made: " + failed.message());
 
   const fs::path temporary = temporaryNameFor(path);
+  const UnfinishedFile registered(temporary.string());
   try {
     Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
     if (!file.valid()) throw cannotWrite(path.string(), "cannot be created: " + systemMessage(errno));
@@ -112,6 +141,10 @@ void writeFileAtomically(const fs::path& path, std::span<const std::byte> bytes)
 
 void writeFileAtomically(const fs::path& path, std::string_view text) {
   writeFileAtomically(path, std::as_bytes(std::span(text)));
+}
+
+void removeUnfinishedFile() noexcept {
+  if (unfinished_set) ::unlink(unfinished_name);
 }
 
 }  // namespace bakelight::formats

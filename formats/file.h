@@ -23,4 +23,8 @@ std::string readTextFile(const std::filesystem::path& path);
 void writeFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void writeFileAtomically(const std::filesystem::path& path, std::string_view text);
 
+// For a signal handler (async-signal-safe): removes the temporary file that a write of this process is
+// filling right now.
+void removeUnfinishedFile() noexcept;
+
 }  // namespace bakelight::formats
