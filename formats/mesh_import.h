@@ -1,0 +1,27 @@
+// Meshes from elsewhere, through assimp: OBJ, PLY, STL, OFF, glTF, 3DS and whatever else assimp reads.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+#include <string>
+
+#include "formats/triangle_mesh.h"
+
+namespace bakelight::formats {
+
+struct MeshImport {
+  TriangleMesh mesh;
+  // What a person should know: "12 polygons were triangulated", "3 materials were merged".
+  std::vector<std::string> notes;
+};
+
+// All meshes of the file in one, each node's transform applied, polygons triangulated, points and lines left out.
+// Vertices are not welded and nothing is repaired: that is the simplify stage's work, which counts it.
+// Throws Error(kBadInput) naming file and element: unreadable, truncated, no triangle, an index out of range, a
+// coordinate that is not finite (with its vertex).
+MeshImport importMesh(const std::filesystem::path& path);
+
+// The endings (lowercase, with the dot) that importMesh takes for a mesh file; used to find assets in folders.
+const std::vector<std::string>& meshFileEndings();
+
+}  // namespace bakelight::formats

@@ -1,0 +1,28 @@
+// Binary little-endian PLY, the mesh file between stages: MeshLab, Blender and assimp open it.
+//
+// The reader is our own and strict, as assimp's PLY reader does not keep the order of shared vertices and
+// repairs silently; a per-vertex table baked beside a mesh needs both order and bits kept.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "formats/triangle_mesh.h"
+
+namespace bakelight::formats {
+
+// Properties: x y z, then nx ny nz if there are normals, then s t if there are texcoords, all float32; faces
+// as `list uchar uint vertex_indices`. Atomic. Throws Error(kCannotWrite).
+void writePly(const std::filesystem::path& path, const TriangleMesh& mesh);
+
+// Reads what writePly wrote, bit for bit and in the same order, and tolerates further properties and
+// elements. Throws Error(kBadInput) naming file and element: not a PLY, truncated, not little-endian binary,
+// an index out of range, a polygon, a position or normal that is not finite.
+TriangleMesh readPly(const std::filesystem::path& path);
+
+// Names positions, normals and triangles (values and order) in 32 hex digits. What was baked for one mesh
+// carries it, so that it is never put on another. Texture coordinates do not count: they do not change how
+// light moves.
+std::string geometryHash(const TriangleMesh& mesh);
+
+}  // namespace bakelight::formats
