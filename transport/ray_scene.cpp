@@ -2,6 +2,7 @@
 
 #include <embree3/rtcore.h>
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <new>
@@ -70,31 +71,35 @@ RayScene::RayScene(const formats::TriangleMesh& mesh) : implementation_(std::mak
 
 RayScene::~RayScene() = default;
 
-std::uint32_t RayScene::occluded16(const Float3& origin, const DirectionPackets& directions,
-                                   std::size_t first, std::uint32_t active, float t_near) const {
+void RayScene::occluded(const Float3& origin, const RayBundle& bundle, float t_near,
+                        std::span<std::uint8_t> blocked) const {
   alignas(64) RTCRay16 rays;
   alignas(64) int valid[kPacketWidth];
-  std::memcpy(rays.dir_x, &directions.x[first], sizeof rays.dir_x);
-  std::memcpy(rays.dir_y, &directions.y[first], sizeof rays.dir_y);
-  std::memcpy(rays.dir_z, &directions.z[first], sizeof rays.dir_z);
   for (int i = 0; i < kPacketWidth; ++i) {
-    valid[i] = (active >> i & 1u) != 0 ? -1 : 0;
     rays.org_x[i] = origin[0];
     rays.org_y[i] = origin[1];
     rays.org_z[i] = origin[2];
     rays.tnear[i] = t_near;
-    rays.tfar[i] = std::numeric_limits<float>::infinity();
     rays.time[i] = 0;
     rays.mask[i] = ~0u;
+    rays.id[i] = 0;
     rays.flags[i] = 0;
   }
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcOccluded16(valid, implementation_->scene, &context, &rays);
-  std::uint32_t blocked = 0;
-  for (int i = 0; i < kPacketWidth; ++i) blocked |= (rays.tfar[i] < 0 ? 1u : 0u) << i;
-  return blocked & active;
+
+  for (std::size_t first = 0; first < bundle.size(); first += kPacketWidth) {
+    const std::size_t count = std::min<std::size_t>(kPacketWidth, bundle.size() - first);
+    std::copy_n(&bundle.x[first], count, rays.dir_x);
+    std::copy_n(&bundle.y[first], count, rays.dir_y);
+    std::copy_n(&bundle.z[first], count, rays.dir_z);
+    for (std::size_t i = 0; i < kPacketWidth; ++i) {
+      valid[i] = i < count ? -1 : 0;
+      rays.tfar[i] = std::numeric_limits<float>::infinity();
+    }
+    rtcOccluded16(valid, implementation_->scene, &context, &rays);
+    for (std::size_t i = 0; i < count; ++i) blocked[first + i] = rays.tfar[i] < 0 ? 1 : 0;
+  }
 }
 
 Hit RayScene::nearestHit(const Vec3& origin, const Vec3& direction, float t_near) const {
@@ -119,10 +124,13 @@ Hit RayScene::nearestHit(const Vec3& origin, const Vec3& direction, float t_near
 std::string RayScene::executionPath() {
   RTCDevice device = newDevice();
   const auto version = rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION);
-  std::string isa = "sse2";
-  if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0) isa = "avx";
-  if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0) isa = "avx512";
   rtcReleaseDevice(device);
+  // Embree picks the widest of these that the processor has, and does not tell which.
+  __builtin_cpu_init();
+  const char* isa = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") ? "avx512"
+                    : __builtin_cpu_supports("avx2")                                        ? "avx2"
+                    : __builtin_cpu_supports("avx")                                         ? "avx"
+                                                                                            : "sse";
   return "embree " + std::to_string(version) + " " + isa;
 }
 

@@ -5,17 +5,23 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "formats/triangle_mesh.h"
 #include "transport/vector_types.h"
 
 namespace bakelight::transport {
 
-// Directions laid out for common-origin packets: structure of arrays, padded with copies of the last one to a
-// multiple of kPacketWidth.
-struct DirectionPackets {
-  std::vector<float> x, y, z;
-  std::size_t count = 0;  // without the padding
+// Rays of one common origin, as a structure of arrays. Embree traces them in packets of kPacketWidth
+// neighbours, so directions that are near each other in the list should be near each other on the sphere.
+struct RayBundle {
+  std::vector<float> x, y, z;  // unit directions
+
+  std::size_t size() const { return x.size(); }
+  void clear() { x.clear(), y.clear(), z.clear(); }
+  void push(const Float3& direction) {
+    x.push_back(direction[0]), y.push_back(direction[1]), z.push_back(direction[2]);
+  }
 };
 
 struct Hit {
@@ -37,11 +43,11 @@ class RayScene {
   RayScene(const RayScene&) = delete;
   RayScene& operator=(const RayScene&) = delete;
 
-  // Bit i of the result (bit 0 = first) says whether packet `first / 16`'s ray i is blocked; both sides of a
-  // triangle block. `active` masks the rays to trace. Distances from `t_near` (metres along the unit
-  // direction) to infinity. Thread-safe.
-  std::uint32_t occluded16(const Float3& origin, const DirectionPackets& directions, std::size_t first,
-                           std::uint32_t active, float t_near) const;
+  // blocked[i] = 1 if anything lies along ray i at a distance from `t_near` (in units of length) to infinity,
+  // else 0; both sides of a triangle block. `blocked` has bundle.size() elements. Thread-safe; allocates
+  // nothing.
+  void occluded(const Float3& origin, const RayBundle& bundle, float t_near,
+                std::span<std::uint8_t> blocked) const;
   Hit nearestHit(const Vec3& origin, const Vec3& direction, float t_near = 0) const;
 
   // "embree 3.13.5 avx512": the instruction set that Embree chose on this machine, which may move a hit by a
