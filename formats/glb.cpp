@@ -54,13 +54,16 @@ std::string dumpJson(const Json& document, const std::string& file) {
   }
 }
 
-void append(Bytes& bytes, std::span<const std::byte> part) {
-  bytes.insert(bytes.end(), part.begin(), part.end());
+void put(Bytes& bytes, std::uint64_t offset, std::span<const std::byte> part) {
+  if (!part.empty()) std::memcpy(bytes.data() + offset, part.data(), part.size());
 }
 
-void append(Bytes& bytes, std::uint64_t value) {
-  const auto word = static_cast<std::uint32_t>(value);
-  append(bytes, std::as_bytes(std::span(&word, 1)));
+void putWords(Bytes& bytes, std::uint64_t offset, std::initializer_list<std::uint64_t> words) {
+  for (const std::uint64_t wide : words) {
+    const auto word = static_cast<std::uint32_t>(wide);
+    put(bytes, offset, std::as_bytes(std::span(&word, 1)));
+    offset += sizeof word;
+  }
 }
 
 std::uint32_t wordAt(std::span<const std::byte> bytes, std::size_t offset) {
@@ -132,20 +135,13 @@ Bytes GlbWriter::finish(Json document, const std::string& file) const {
   json.replace(checksumPosition(json), kZeroChecksum.size(), checksumHex(bytesOf(json)));
 
   const std::uint64_t binary_size = alignedTo(binarySize(), kChunkAlignment);
-  const std::uint64_t total = before + json.size() + binary_size;
-  Bytes bytes;
-  bytes.reserve(total);
-  for (const std::uint64_t word : {std::uint64_t{kMagic}, std::uint64_t{kGlbVersion}, total})
-    append(bytes, word);
-  for (const std::uint64_t word : {std::uint64_t{json.size()}, std::uint64_t{kJsonChunk}})
-    append(bytes, word);
-  append(bytes, bytesOf(json));
-  for (const std::uint64_t word : {binary_size, std::uint64_t{kBinaryChunk}}) append(bytes, word);
-  for (std::size_t i = 0; i < sections_.size(); ++i) {
-    bytes.resize(before + json.size() + offset[i]);
-    append(bytes, sections_[i].bytes);
-  }
-  bytes.resize(total);
+  const std::uint64_t binary = before + json.size();  // where sections begin
+  const std::uint64_t total = binary + binary_size;
+  Bytes bytes(total);  // zeros, and so is the padding
+  putWords(bytes, 0, {kMagic, kGlbVersion, total, json.size(), kJsonChunk});
+  put(bytes, kHeaderSize + kChunkHeaderSize, bytesOf(json));
+  putWords(bytes, binary - kChunkHeaderSize, {binary_size, kBinaryChunk});
+  for (std::size_t i = 0; i < sections_.size(); ++i) put(bytes, binary + offset[i], sections_[i].bytes);
   return bytes;
 }
 

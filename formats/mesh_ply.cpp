@@ -388,10 +388,11 @@ class PlyReader {
   std::vector<Element> elements_;
 };
 
+// Copies `value` to `target` and returns where the next one goes.
 template <class T>
-void append(Bytes& bytes, const T& value) {
-  const auto* data = reinterpret_cast<const std::byte*>(&value);
-  bytes.insert(bytes.end(), data, data + sizeof value);
+std::byte* put(std::byte* target, const T& value) {
+  std::memcpy(target, &value, sizeof value);
+  return target + sizeof value;
 }
 
 std::string headerOf(const TriangleMesh& mesh) {
@@ -415,18 +416,17 @@ void writePly(const std::filesystem::path& path, const TriangleMesh& mesh) {
     throw std::logic_error("a mesh has normals and texture coordinates for all vertices or for none");
   }
   const std::string header = headerOf(mesh);
-  Bytes bytes;
-  bytes.reserve(header.size() + count * 8 * sizeof(float) + mesh.triangleCount() * (1 + sizeof(Triangle)));
-  for (const char letter : header) bytes.push_back(static_cast<std::byte>(letter));
+  const std::size_t vertex_size = sizeof(Float3) + (mesh.normals.empty() ? 0 : sizeof(Float3)) +
+                                  (mesh.texcoords.empty() ? 0 : sizeof(Float2));
+  Bytes bytes(header.size() + count * vertex_size + mesh.triangleCount() * (1 + sizeof(Triangle)));
+  std::memcpy(bytes.data(), header.data(), header.size());
+  std::byte* cursor = bytes.data() + header.size();
   for (std::size_t i = 0; i < count; ++i) {
-    append(bytes, mesh.positions[i]);
-    if (!mesh.normals.empty()) append(bytes, mesh.normals[i]);
-    if (!mesh.texcoords.empty()) append(bytes, mesh.texcoords[i]);
+    cursor = put(cursor, mesh.positions[i]);
+    if (!mesh.normals.empty()) cursor = put(cursor, mesh.normals[i]);
+    if (!mesh.texcoords.empty()) cursor = put(cursor, mesh.texcoords[i]);
   }
-  for (const Triangle& triangle : mesh.triangles) {
-    append(bytes, std::uint8_t{3});
-    append(bytes, triangle);
-  }
+  for (const Triangle& triangle : mesh.triangles) cursor = put(put(cursor, std::uint8_t{3}), triangle);
   writeFileAtomically(path, bytes);
 }
 
