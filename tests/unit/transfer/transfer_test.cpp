@@ -1,0 +1,199 @@
+#include "tools/transfer/transfer.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <Eigen/Geometry>
+
+#include "tests/support/shapes.h"
+#include "transport/sh.h"
+
+namespace bakelight::transfer {
+namespace {
+
+using namespace bakelight::tests;
+using transport::coefficientCount;
+
+constexpr double kPi = std::numbers::pi;
+
+DiffuseTransfer bake(const TriangleMesh& mesh, DiffuseOptions options) {
+  stage::Progress silent(stage::ProgressStyle::kNone, "", 0, "");
+  return bakeDiffuse(mesh, options, silent);
+}
+
+DiffuseOptions shadowed(int order, int directions = 4096) {
+  return {.order = order, .directions = directions, .visibility = Visibility::kShadowed};
+}
+
+DiffuseOptions unshadowed(int order) {
+  return {.order = order, .visibility = Visibility::kUnshadowed};
+}
+
+// albedo/π · A_l · y_lm(n)
+std::vector<double> unshadowedVector(int order, const Vec3& normal) {
+  std::vector<double> vector = transport::evaluateSh(order, normal);
+  const std::vector<double> factors = transport::clampedCosineFactors(order);
+  for (int l = 0; l < order; ++l)
+    for (int i = l * l; i < (l + 1) * (l + 1); ++i) vector[i] *= factors[l] / kPi;
+  return vector;
+}
+
+class TransferOrder : public testing::TestWithParam<int> {};
+
+TEST_P(TransferOrder, UnshadowedIsTheClosedForm) {
+  const TriangleMesh sphere = icosphere(2);
+  const int count = coefficientCount(GetParam());
+  const DiffuseTransfer baked = bake(sphere, unshadowed(GetParam()));
+  ASSERT_EQ(baked.vectors.size(), sphere.vertexCount() * count);
+  EXPECT_EQ(baked.rays, 0u);
+  for (std::size_t v = 0; v < sphere.vertexCount(); ++v) {
+    const std::vector<double> expected = unshadowedVector(GetParam(), vec3(sphere.normals[v]));
+    for (int i = 0; i < count; ++i) EXPECT_NEAR(baked.vectors[v * count + i], expected[i], 1e-7);
+  }
+}
+
+TEST_P(TransferOrder, ConvexBodyShadowedEqualsUnshadowed) {
+  const TriangleMesh sphere = icosphere(3);
+  const DiffuseTransfer baked = bake(sphere, shadowed(GetParam()));
+  EXPECT_EQ(baked.blocked_rays, 0u);
+  EXPECT_GT(baked.rays, sphere.vertexCount() * 2000);
+  EXPECT_EQ(baked.vectors, bake(sphere, unshadowed(GetParam())).vectors);
+}
+
+// Furnace: a white convex body under a uniform sky of radiance 1 leaves radiance 1.
+TEST_P(TransferOrder, FurnaceGivesBackTheSky) {
+  const TriangleMesh sphere = icosphere(2);
+  const int count = coefficientCount(GetParam());
+  const DiffuseTransfer baked = bake(sphere, shadowed(GetParam()));
+  for (std::size_t v = 0; v < sphere.vertexCount(); ++v)
+    EXPECT_NEAR(baked.vectors[v * count] * std::sqrt(4 * kPi), 1, 1e-6);
+}
+
+// Ground under a coaxial disk that subtends half angle a: all coefficients are zonal about +Y, with
+// T_l0 = 1/π ∫_0^{cos a} 2π z √((2l+1)/4π) P_l(z) dz.
+TEST_P(TransferOrder, GroundUnderADisk) {
+  const int order = GetParam(), count = coefficientCount(order);
+  for (const double half_angle : {0.2, 0.7, 1.2}) {
+    TriangleMesh mesh = diskFacingDown(Vec3(0, 1, 0), std::tan(half_angle), 720);
+    mesh.positions.push_back({0, 0, 0});
+    mesh.normals.push_back({0, 1, 0});
+    const DiffuseTransfer baked = bake(mesh, shadowed(order, 16384));
+
+    std::vector<double> zonal(order, 0.0);
+    const int steps = 20000;
+    for (int s = 0; s < steps; ++s) {
+      const double z = std::cos(half_angle) * (s + 0.5) / steps;
+      const std::vector<double> p = transport::legendre(order, z);
+      for (int l = 0; l < order; ++l)
+        zonal[l] += 2 * z * std::sqrt((2 * l + 1) / (4 * kPi)) * p[l] * std::cos(half_angle) / steps;
+    }
+    const std::vector<double> expected = transport::orientZonal(zonal, Vec3(0, 1, 0));
+    const float* vector = &baked.vectors[(mesh.vertexCount() - 1) * count];
+    // The rim of the disk cuts through cells of 4π/16384 sr; measured error 5e-4, the bound leaves a factor
+    // of three.
+    for (int i = 0; i < count; ++i)
+      EXPECT_NEAR(vector[i], expected[i], 1.5e-3) << "half angle " << half_angle << " i " << i;
+  }
+}
+
+// Lambert: a sphere of radius r at distance d, its centre at angle θ from the normal and wholly above the
+// horizon, has the configuration factor (r/d)² cos θ.
+TEST(Transfer, SphereOverGround) {
+  for (const double angle : {0.0, 0.6, 1.0}) {
+    const double radius = 0.9, distance = 2.2;
+    TriangleMesh mesh = icosphere(3, radius, distance * Vec3(std::sin(angle), std::cos(angle), 0));
+    // Cauchy: a convex body's mean silhouette is a quarter of its surface, so the inscribed icosphere hides
+    // that much less.
+    const double silhouette_ratio = surfaceArea(mesh) / (4 * kPi * radius * radius);
+    mesh.positions.push_back({0, 0, 0});
+    mesh.normals.push_back({0, 1, 0});
+    const DiffuseTransfer baked = bake(mesh, shadowed(1, 16384));
+    const double factor = std::pow(radius / distance, 2) * std::cos(angle);
+    const double visible = baked.vectors.back() * std::sqrt(4 * kPi);
+    // The rim of the sphere crosses cells of 4π/16384 sr: about 40 of them, half a cell of either sign each.
+    EXPECT_NEAR(visible, 1 - silhouette_ratio * factor, 1.5e-3) << "angle " << angle;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Orders, TransferOrder, testing::Values(1, 2, 3, 5, 10));
+
+TEST(Transfer, NothingIsSeenInsideAClosedBody) {
+  const TriangleMesh cave = insideOut(icosphere(3));
+  const DiffuseTransfer baked = bake(cave, shadowed(5));
+  EXPECT_EQ(baked.fully_blocked_vertices, cave.vertexCount());
+  for (const float value : baked.vectors) EXPECT_EQ(value, 0);
+}
+
+TEST(Transfer, HigherOrderBeginsWithTheLowerOne) {
+  TriangleMesh pair = icosphere(2);
+  append(pair, icosphere(2, 0.7, Vec3(1.8, 0.3, 0)));
+  const DiffuseTransfer low = bake(pair, shadowed(3)), high = bake(pair, shadowed(7));
+  ASSERT_GT(low.blocked_rays, 0u);
+  for (std::size_t v = 0; v < pair.vertexCount(); ++v)
+    for (int i = 0; i < 9; ++i) EXPECT_EQ(low.vectors[v * 9 + i], high.vectors[v * 49 + i]);
+}
+
+TEST(Transfer, TurningTheBodyTurnsTheVectors) {
+  const int order = 5, count = coefficientCount(order);
+  TriangleMesh pair = icosphere(2);
+  append(pair, icosphere(2, 0.7, Vec3(1.8, 0.3, 0)));
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.234, Vec3(1, 2, -0.5).normalized()).toRotationMatrix();
+  TriangleMesh turned = pair;
+  for (auto& p : turned.positions) p = float3(turn * vec3(p));
+  for (auto& n : turned.normals) n = float3(turn * vec3(n));
+
+  const DiffuseTransfer before = bake(pair, shadowed(order, 16384)),
+                        after = bake(turned, shadowed(order, 16384));
+  const transport::ShRotation rotation(order, turn);
+  double error2 = 0, norm2 = 0;
+  for (std::size_t v = 0; v < pair.vertexCount(); ++v) {
+    const std::vector<double> source(&before.vectors[v * count], &before.vectors[v * count] + count);
+    std::vector<double> expected(count);
+    rotation.apply(std::span<const double>(source), std::span<double>(expected));
+    for (int i = 0; i < count; ++i) {
+      error2 += std::pow(after.vectors[v * count + i] - expected[i], 2);
+      norm2 += expected[i] * expected[i];
+    }
+  }
+  // Two different sets of rays against the same blockers: what differs is quadrature error alone.
+  EXPECT_LT(std::sqrt(error2 / norm2), 2e-3);
+  EXPECT_GT(std::sqrt(error2 / norm2), 0);
+}
+
+TEST(Transfer, ScaleAndPlaceDoNotMatter) {
+  TriangleMesh pair = icosphere(2);
+  append(pair, icosphere(2, 0.7, Vec3(1.8, 0.3, 0)));
+  const DiffuseTransfer reference = bake(pair, shadowed(4));
+  for (const double scale : {1e-6, 1e6}) {
+    TriangleMesh scaled = pair;
+    for (auto& p : scaled.positions) p = float3(scale * vec3(p));
+    const DiffuseTransfer baked = bake(scaled, shadowed(4));
+    ASSERT_EQ(baked.vectors.size(), reference.vectors.size());
+    double worst = 0;
+    for (std::size_t i = 0; i < baked.vectors.size(); ++i)
+      worst = std::max<double>(worst, std::abs(baked.vectors[i] - reference.vectors[i]));
+    // A few rays that graze an edge may fall on its other side.
+    EXPECT_LT(worst, 5e-3) << "scale " << scale;
+  }
+}
+
+TEST(Transfer, SameBytesWithAnyNumberOfThreads) {
+  TriangleMesh pair = icosphere(3);
+  append(pair, icosphere(3, 0.7, Vec3(1.8, 0.3, 0)));
+  const DiffuseTransfer many = bake(pair, shadowed(5));
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const DiffuseTransfer single = bake(pair, shadowed(5));
+  EXPECT_EQ(single.vectors, many.vectors);
+  EXPECT_EQ(single.quadrature_error, many.quadrature_error);
+  EXPECT_EQ(single.blocked_rays, many.blocked_rays);
+}
+
+TEST(Transfer, OneVertexAndNoTriangles) {
+  TriangleMesh point;
+  point.positions = {{1, 2, 3}};
+  point.normals = {{0, 0, 1}};
+  EXPECT_EQ(bake(point, shadowed(5)).vectors, bake(point, unshadowed(5)).vectors);
+}
+
+}  // namespace
+}  // namespace bakelight::transfer
