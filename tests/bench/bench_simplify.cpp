@@ -1,0 +1,130 @@
+// Our simplifier beside meshoptimizer's on the Stanford bunny: closeness to the original, shape of the
+// triangles, time.
+//
+//   bench_simplify [Google Benchmark flags]
+//   BAKELIGHT_BENCH_MESH=path       another mesh
+//   BAKELIGHT_BENCH_TRIANGLES=n     another target (20000)
+#include <benchmark/benchmark.h>
+#include <meshoptimizer.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "formats/mesh_import.h"
+#include "tools/simplify/metrics.h"
+#include "tools/simplify/repair.h"
+#include "tools/simplify/simplify.h"
+
+namespace bakelight::simplify {
+namespace {
+
+constexpr std::size_t kDenseSamples = 1'000'000;
+
+struct Outcome {
+  WorkingMesh mesh;
+  double seconds = 0;
+  AngleQuality angles;
+  Deviation deviation;  // ÷ bounding-box diagonal
+};
+
+std::string environment(const char* name, const std::string& fallback) {
+  const char* value = std::getenv(name);
+  return value != nullptr ? value : fallback;
+}
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// What both simplifiers start from: welded, so that meshoptimizer meets no seams either.
+formats::TriangleMesh weldedMesh(const std::string& path) {
+  WorkingMesh working = workingMesh(formats::importMesh(path).mesh);
+  repair(working, 0);
+  formats::TriangleMesh mesh;
+  for (const Vec3& position : working.positions) mesh.positions.push_back(transport::float3(position));
+  mesh.triangles = working.triangles;
+  return mesh;
+}
+
+Outcome ours(const formats::TriangleMesh& mesh, int triangles) {
+  SimplifyOptions options;
+  options.triangles = triangles;
+  const auto start = std::chrono::steady_clock::now();
+  SimplifyResult result = simplify(mesh, options, "bench");
+  Outcome outcome;
+  outcome.seconds = secondsSince(start);
+  outcome.mesh = workingMesh(result.mesh);
+  for (const auto& [step, seconds] : result.report.seconds)
+    std::printf("  %-10s %.3f s\n", step.c_str(), seconds);
+  std::printf("  constraints %s, creases %lld corners %lld flips %lld splits %lld\n",
+              result.report.constraints.c_str(), (long long)result.report.crease_edges,
+              (long long)result.report.corners, (long long)result.report.flips,
+              (long long)result.report.split_vertices);
+  return outcome;
+}
+
+Outcome meshoptimizers(const formats::TriangleMesh& mesh, int triangles) {
+  Outcome outcome;
+  std::vector<unsigned int> indices(3 * mesh.triangleCount());
+  const auto start = std::chrono::steady_clock::now();
+  const std::size_t count = meshopt_simplify(
+      indices.data(), mesh.triangles[0].data(), indices.size(), mesh.positions[0].data(), mesh.vertexCount(),
+      sizeof(formats::Float3), 3 * static_cast<std::size_t>(triangles), 1.0f);
+  outcome.seconds = secondsSince(start);
+  outcome.mesh = workingMesh(mesh);
+  outcome.mesh.triangles.clear();
+  for (std::size_t i = 0; i < count; i += 3)
+    outcome.mesh.triangles.push_back({indices[i], indices[i + 1], indices[i + 2]});
+  std::vector<std::uint32_t> renumbered(mesh.vertexCount(), ~0u);
+  std::vector<Vec3> used;
+  for (Triangle& t : outcome.mesh.triangles) {
+    for (std::uint32_t& v : t) {
+      if (renumbered[v] == ~0u)
+        renumbered[v] = static_cast<std::uint32_t>(used.size()), used.push_back(outcome.mesh.positions[v]);
+      v = renumbered[v];
+    }
+  }
+  outcome.mesh.positions = std::move(used);
+  return outcome;
+}
+
+void judge(Outcome& outcome, const SurfaceQuery& original) {
+  outcome.angles = angleQuality(outcome.mesh);
+  outcome.deviation = deviation(original, SurfaceQuery(outcome.mesh), kDenseSamples);
+  const double diagonal = boundingBoxDiagonal(original.mesh());
+  outcome.deviation.hausdorff /= diagonal;
+  outcome.deviation.mean /= diagonal;
+}
+
+void print(const char* who, const Outcome& o) {
+  std::printf(
+      "%-14s %7zu triangles  Hausdorff %.3e  mean %.3e  min angle mean %.2f deg worst %.2f deg  %.3f s\n",
+      who, o.mesh.triangles.size(), o.deviation.hausdorff, o.deviation.mean, o.angles.mean_min_angle_deg,
+      o.angles.worst_min_angle_deg, o.seconds);
+}
+
+void run(benchmark::State& state) {
+  const formats::TriangleMesh mesh =
+      weldedMesh(environment("BAKELIGHT_BENCH_MESH", BAKELIGHT_DATA_DIR "/models/bunny.obj"));
+  const int target = std::stoi(environment("BAKELIGHT_BENCH_TRIANGLES", "20000"));
+  const SurfaceQuery original(workingMesh(mesh));
+  for ([[maybe_unused]] const auto iteration : state) {
+    Outcome a = ours(mesh, target), b = meshoptimizers(mesh, target);
+    judge(a, original);
+    judge(b, original);
+    print("simplify", a);
+    print("meshoptimizer", b);
+    std::printf("Hausdorff ratio %.3f, mean distance ratio %.3f\n",
+                a.deviation.hausdorff / b.deviation.hausdorff, a.deviation.mean / b.deviation.mean);
+    state.counters["hausdorff_ratio"] = a.deviation.hausdorff / b.deviation.hausdorff;
+  }
+}
+
+}  // namespace
+}  // namespace bakelight::simplify
+
+BENCHMARK(bakelight::simplify::run)->Name("simplify/bunny")->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK_MAIN();

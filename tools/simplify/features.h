@@ -1,0 +1,23 @@
+// Creases, corners and borders: what decimation and relaxation must keep where it is.
+#pragma once
+
+#include <cstdint>
+
+#include "tools/simplify/half_edge_mesh.h"
+
+namespace bakelight::simplify {
+
+struct FeatureCounts {
+  std::int64_t crease_edges = 0;
+  std::int64_t corners = 0;  // vertices where features end, meet or turn sharply
+};
+
+// Sets OpenMesh's `feature` status on border edges and on edges whose triangles' normals differ by more than
+// `crease_angle_deg` (0–180), and on their vertices; a corner is `locked` as well. Creases of a few edges
+// only, off any border, are noise and stay unmarked. Needs face normals.
+FeatureCounts markFeatures(HalfEdgeMesh& mesh, double crease_angle_deg);
+
+// Forgets all marks except those of the border.
+void releaseCreases(HalfEdgeMesh& mesh);
+
+}  // namespace bakelight::simplify

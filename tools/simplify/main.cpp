@@ -1,0 +1,34 @@
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "formats/mesh_import.h"
+#include "formats/mesh_ply.h"
+#include "tools/simplify/report.h"
+#include "tools/simplify/simplify.h"
+#include "tools/stage/stage.h"
+
+int main(int argc, char** argv) {
+  using namespace bakelight;
+  std::filesystem::path mesh_path, simplified_path;
+  simplify::SimplifyOptions options;
+  stage::Tool tool("simplify", "Repairs a mesh and reduces it to a given number of round triangles");
+  tool.input("mesh", "mesh", mesh_path, "Any mesh file that assimp reads: OBJ, PLY, STL, OFF, glTF, 3DS, ...")
+      .output("simplified", "mesh", simplified_path, "Binary PLY with normals")
+      .parameter("triangles", options.triangles, {4, 1e8}, "triangles",
+                 "Target; a mesh that has no more is repaired but not decimated")
+      .parameter("weld_tolerance", options.weld_tolerance, {0, 0.01}, "",
+                 "Vertices this close, over the bounding-box diagonal, become one; 0: only coincident ones")
+      .parameter("crease_angle_deg", options.crease_angle_deg, {0, 180}, "deg",
+                 "Edges sharper than this are kept in place and shaded flat")
+      .parameter("relax_rounds", options.relax_rounds, {0, 100}, "rounds",
+                 "Edge flips and vertex moves for rounder triangles; 0 leaves decimation's triangles");
+  return tool.run(argc, argv, [&](stage::Run& run) {
+    formats::MeshImport imported = formats::importMesh(mesh_path);
+    for (const std::string& note : imported.notes) run.warn(note);
+    const simplify::SimplifyResult result = simplify::simplify(imported.mesh, options, mesh_path.string());
+    formats::writePly(simplified_path, result.mesh);
+    for (const std::string& warning : result.report.warnings) run.warn(warning);
+    const formats::Json stats = simplify::toJson(result.report);
+    for (const auto& [name, value] : stats.items()) run.stat(name, value);
+  });
+}

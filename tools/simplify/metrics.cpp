@@ -1,0 +1,99 @@
+#include "tools/simplify/metrics.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <Eigen/Geometry>
+#include <numbers>
+#include <vector>
+
+namespace bakelight::simplify {
+namespace {
+
+double minAngle(const WorkingMesh& mesh, std::size_t t) {
+  double smallest = std::numbers::pi;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 u = mesh.corner(t, (k + 1) % 3) - mesh.corner(t, k),
+               v = mesh.corner(t, (k + 2) % 3) - mesh.corner(t, k);
+    smallest = std::min(smallest, std::atan2(u.cross(v).norm(), u.dot(v)));
+  }
+  return smallest;
+}
+
+// All vertices, then points stratified by area; the place in the triangle by the R2 sequence (Roberts 2018).
+std::vector<Vec3> surfaceSamples(const WorkingMesh& mesh, std::size_t count) {
+  std::vector<Vec3> points = mesh.positions;
+  points.reserve(points.size() + count);
+  const double stride = area(mesh) / static_cast<double>(count);
+  double next = stride / 2, passed = 0;
+  std::size_t k = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    passed += mesh.areaVector(t).norm() / 2;
+    for (; next < passed; next += stride, ++k) {
+      double whole;
+      double u = std::modf(static_cast<double>(k) * 0.7548776662466927 + 0.5, &whole);
+      double v = std::modf(static_cast<double>(k) * 0.5698402909980532 + 0.5, &whole);
+      if (u + v > 1) u = 1 - u, v = 1 - v;
+      points.push_back(mesh.corner(t, 0) * (1 - u - v) + mesh.corner(t, 1) * u + mesh.corner(t, 2) * v);
+    }
+  }
+  return points;
+}
+
+// Greatest and mean distance from samples of one surface to the other.
+Deviation oneWay(const WorkingMesh& from, const SurfaceQuery& to, std::size_t samples) {
+  const std::vector<Vec3> points = surfaceSamples(from, samples);
+  std::vector<double> distances(points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(),
+                    [&](std::size_t i) { distances[i] = to.closest(points[i]).distance; });
+  Deviation result;
+  for (const double distance : distances) {
+    result.hausdorff = std::max(result.hausdorff, distance);
+    result.mean += distance / static_cast<double>(distances.size());
+  }
+  return result;
+}
+
+}  // namespace
+
+double area(const WorkingMesh& mesh) {
+  double sum = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) sum += mesh.areaVector(t).norm() / 2;
+  return sum;
+}
+
+double volume(const WorkingMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& position : mesh.positions) box.extend(position);
+  if (box.isEmpty()) return 0;
+  const Vec3 center = box.center();
+  double sum = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    sum += (mesh.corner(t, 0) - center).dot(mesh.areaVector(t)) / 6;
+  return sum;
+}
+
+double boundingBoxDiagonal(const WorkingMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& position : mesh.positions) box.extend(position);
+  return box.isEmpty() ? 0.0 : box.diagonal().norm();
+}
+
+AngleQuality angleQuality(const WorkingMesh& mesh) {
+  if (mesh.triangles.empty()) return {};
+  AngleQuality quality{0, 180};
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const double angle_deg = minAngle(mesh, t) * 180 / std::numbers::pi;
+    quality.mean_min_angle_deg += angle_deg / static_cast<double>(mesh.triangles.size());
+    quality.worst_min_angle_deg = std::min(quality.worst_min_angle_deg, angle_deg);
+  }
+  return quality;
+}
+
+Deviation deviation(const SurfaceQuery& a, const SurfaceQuery& b, std::size_t samples) {
+  const Deviation ab = oneWay(a.mesh(), b, samples), ba = oneWay(b.mesh(), a, samples);
+  return {std::max(ab.hausdorff, ba.hausdorff), (ab.mean + ba.mean) / 2};
+}
+
+}  // namespace bakelight::simplify

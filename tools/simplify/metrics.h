@@ -1,0 +1,32 @@
+// Figures that judge a simplified mesh.
+#pragma once
+
+#include <cstddef>
+
+#include "tools/simplify/surface_query.h"
+#include "tools/simplify/working_mesh.h"
+
+namespace bakelight::simplify {
+
+double area(const WorkingMesh& mesh);
+// Signed volume enclosed, about the bounding box's centre; meaningful for closed meshes.
+double volume(const WorkingMesh& mesh);
+double boundingBoxDiagonal(const WorkingMesh& mesh);
+
+// The smallest angle of each triangle: its mean and its minimum over the mesh, degrees (60 at best). A
+// triangle without area has 0.
+struct AngleQuality {
+  double mean_min_angle_deg = 0, worst_min_angle_deg = 0;
+};
+AngleQuality angleQuality(const WorkingMesh& mesh);
+
+// Distances in the unit of the meshes.
+struct Deviation {
+  double hausdorff = 0;  // the greatest distance found, either way
+  double mean = 0;       // average over both ways
+};
+// Symmetric, sampled: on each surface all vertices and `samples` points, stratified by area, placed by a
+// fixed low-discrepancy sequence. All TBB threads, same result whatever their number.
+Deviation deviation(const SurfaceQuery& a, const SurfaceQuery& b, std::size_t samples);
+
+}  // namespace bakelight::simplify

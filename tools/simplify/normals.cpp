@@ -1,0 +1,81 @@
+#include "tools/simplify/normals.h"
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "tools/simplify/half_edge_mesh.h"
+
+namespace bakelight::simplify {
+namespace {
+
+bool isCrease(const HalfEdgeMesh& mesh, HalfedgeHandle h, double crease_cosine) {
+  if (mesh.is_boundary(mesh.edge_handle(h))) return true;
+  return (mesh.normal(mesh.face_handle(h)) | mesh.normal(mesh.opposite_face_handle(h))) < crease_cosine;
+}
+
+// The triangles around a vertex, counter-clockwise, parted at creases; each as the half-edge leaving the
+// vertex.
+std::vector<std::vector<HalfedgeHandle>> smoothFans(const HalfEdgeMesh& mesh, VertexHandle vertex,
+                                                    double crease_cosine) {
+  std::vector<HalfedgeHandle> around;
+  for (const auto h : mesh.voh_ccw_range(vertex)) around.push_back(h);
+  std::size_t first = 0;  // begin at a crease, if there is one
+  while (first < around.size() && !isCrease(mesh, around[first], crease_cosine)) ++first;
+  const bool any_crease = first < around.size();
+  std::vector<std::vector<HalfedgeHandle>> fans;
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    const HalfedgeHandle h = around[(any_crease ? first + i : i) % around.size()];
+    if (fans.empty() || (isCrease(mesh, h, crease_cosine) && !fans.back().empty())) fans.emplace_back();
+    if (!mesh.is_boundary(h)) fans.back().push_back(h);
+  }
+  if (fans.back().empty()) fans.pop_back();
+  return fans;
+}
+
+formats::Float3 fanNormal(const HalfEdgeMesh& mesh, const std::vector<HalfedgeHandle>& fan) {
+  Point sum(0, 0, 0);
+  for (const HalfedgeHandle h : fan) {
+    const Point u = mesh.calc_edge_vector(h), v = -mesh.calc_edge_vector(mesh.prev_halfedge_handle(h));
+    sum += mesh.normal(mesh.face_handle(h)) * std::atan2((u % v).norm(), u | v);
+  }
+  const double length = sum.norm();
+  if (!(length > 0)) return {0, 1, 0};
+  return transport::float3(vec3(sum / length));
+}
+
+}  // namespace
+
+ShadedMesh withNormals(const WorkingMesh& working, double crease_angle_deg) {
+  HalfEdgeMesh mesh = halfEdgeMesh(working);
+  mesh.update_face_normals();
+  const double crease_cosine = std::cos(crease_angle_deg * std::numbers::pi / 180);
+  ShadedMesh shaded;
+  formats::TriangleMesh& result = shaded.mesh;
+  result.triangles = working.triangles;
+  for (const Vec3& position : working.positions) result.positions.push_back(transport::float3(position));
+  result.normals.resize(result.positions.size());
+  for (const auto vertex : mesh.vertices()) {
+    const auto fans = smoothFans(mesh, vertex, crease_cosine);
+    const auto original = static_cast<std::uint32_t>(vertex.idx());
+    for (std::size_t k = 0; k < fans.size(); ++k) {
+      const formats::Float3 normal = fanNormal(mesh, fans[k]);
+      if (k == 0) {
+        result.normals[original] = normal;
+        continue;
+      }
+      const auto copy = static_cast<std::uint32_t>(result.positions.size());
+      result.positions.push_back(formats::Float3(result.positions[original]));
+      result.normals.push_back(normal);
+      ++shaded.split_vertices;
+      for (const HalfedgeHandle h : fans[k]) {
+        Triangle& triangle = result.triangles[static_cast<std::size_t>(mesh.face_handle(h).idx())];
+        for (std::uint32_t& index : triangle) index = index == original ? copy : index;
+      }
+    }
+  }
+  return shaded;
+}
+
+}  // namespace bakelight::simplify

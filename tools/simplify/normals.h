@@ -1,0 +1,21 @@
+// Vertex normals for shading.
+#pragma once
+
+#include <cstdint>
+
+#include "formats/triangle_mesh.h"
+#include "tools/simplify/working_mesh.h"
+
+namespace bakelight::simplify {
+
+struct ShadedMesh {
+  formats::TriangleMesh mesh;       // with normals
+  std::int64_t split_vertices = 0;  // copies made along creases
+};
+
+// Angle-weighted normals (Thürmer & Wüthrich 1998). Where edges sharper than `crease_angle_deg` part the
+// triangles around a vertex, each part gets its own copy and normal. `mesh` must be an oriented manifold.
+// Vertex and triangle order is kept; copies follow at the end. A vertex whose triangles have no area gets +Y.
+ShadedMesh withNormals(const WorkingMesh& mesh, double crease_angle_deg);
+
+}  // namespace bakelight::simplify

@@ -1,0 +1,48 @@
+// Turns triangle soup into an oriented two-manifold (with border, perhaps) that a half-edge structure
+// accepts, and counts what it did.
+#pragma once
+
+#include <cstdint>
+
+#include "tools/simplify/working_mesh.h"
+
+namespace bakelight::simplify {
+
+// Every count is 0 for a clean mesh.
+struct RepairCounts {
+  std::int64_t welded_vertices = 0;  // merged into an earlier vertex
+  std::int64_t repeated_index_triangles =
+      0;                                 // removed: two of the three corners are one vertex (after the weld)
+  std::int64_t duplicate_triangles = 0;  // removed: same corners, same orientation as an earlier triangle
+  std::int64_t reversed_triangles = 0;   // removed: same corners, opposite orientation
+  std::int64_t zero_area_triangles = 0;  // removed or flipped away: height below kNeedleHeight × longest edge
+  std::int64_t kept_needles = 0;         // such triangles that no collapse or flip could remove
+  std::int64_t non_manifold_edges = 0;   // shared by more than two triangles; cut or paired
+  std::int64_t non_manifold_vertices = 0;  // joining several fans; one copy a fan
+  std::int64_t added_vertices = 0;         // by those splits
+  std::int64_t reoriented_triangles = 0;   // turned to agree with their neighbours
+  std::int64_t one_sided_cuts = 0;         // edges cut as no orientation agrees across them (Möbius strips)
+  std::int64_t inside_out_components = 0;  // closed, negative volume; turned as a whole
+  std::int64_t isolated_vertices = 0;      // removed: used by no triangle
+
+  bool clean() const;
+};
+
+// Triangles flatter than this (height ÷ longest edge) carry no area worth keeping.
+inline constexpr double kNeedleHeight = 1e-5;
+
+// Welds vertices closer than `weld_tolerance` (≥ 0, in units of the mesh; 0 merges exactly coincident ones),
+// then mends in the order of RepairCounts. May leave no triangle at all. Indices must be in range, positions
+// finite. The order of surviving triangles and vertices is kept. Cost: O(n log n).
+RepairCounts repair(WorkingMesh& mesh, double weld_tolerance);
+
+struct Topology {
+  std::int64_t components = 0;            // connected through shared edges
+  std::int64_t boundary_edges = 0;        // in one triangle only
+  std::int64_t euler_characteristic = 0;  // vertices − edges + triangles
+  bool closed() const { return boundary_edges == 0; }
+};
+// `mesh` must be repaired.
+Topology topology(const WorkingMesh& mesh);
+
+}  // namespace bakelight::simplify

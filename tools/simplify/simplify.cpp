@@ -1,0 +1,144 @@
+#include "tools/simplify/simplify.h"
+
+#include <chrono>
+#include <cmath>
+#include <Eigen/Geometry>
+
+#include "formats/error.h"
+#include "tools/simplify/decimate.h"
+#include "tools/simplify/features.h"
+#include "tools/simplify/half_edge_mesh.h"
+#include "tools/simplify/normals.h"
+#include "tools/simplify/relax.h"
+#include "tools/simplify/surface_query.h"
+
+namespace bakelight::simplify {
+namespace {
+
+// Length of the bounding box's diagonal while working (see decimate.h).
+constexpr double kWorkingDiagonal = 1000;
+constexpr std::size_t kDeviationSamples = 200'000;
+
+void checkInput(const formats::TriangleMesh& mesh, const std::string& file) {
+  if (mesh.triangles.empty())
+    throw badInput({file, "", ""}, "the mesh has no triangle", "at least one triangle");
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const std::uint32_t i : mesh.triangles[t]) {
+      if (i < mesh.positions.size()) continue;
+      throw badInput({file, "face " + std::to_string(t), ""},
+                     "vertex index " + std::to_string(i) + " is out of range",
+                     "an index below " + std::to_string(mesh.positions.size()));
+    }
+  }
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    for (const float x : mesh.positions[v]) {
+      if (!std::isfinite(x)) {
+        throw badInput({file, "vertex " + std::to_string(v), ""}, "a coordinate is not finite");
+      }
+    }
+  }
+}
+
+// The similarity between the asset's coordinates and those of this stage.
+struct WorkingFrame {
+  Vec3 center = Vec3::Zero();
+  double scale = 1;  // working unit ÷ asset unit
+
+  // Of the vertices that triangles use.
+  explicit WorkingFrame(const WorkingMesh& mesh) {
+    Eigen::AlignedBox3d box;
+    for (const Triangle& t : mesh.triangles) {
+      for (const std::uint32_t i : t) box.extend(mesh.positions[i]);
+    }
+    center = box.center();
+    if (box.diagonal().norm() > 0) scale = kWorkingDiagonal / box.diagonal().norm();
+  }
+  void apply(WorkingMesh& mesh) const {
+    for (Vec3& p : mesh.positions) p = (p - center) * scale;
+  }
+  void undo(WorkingMesh& mesh) const {
+    for (Vec3& p : mesh.positions) p = p / scale + center;
+  }
+};
+
+class Stopwatch {
+ public:
+  explicit Stopwatch(std::map<std::string, double>& seconds) : seconds_(seconds) {}
+  // Books the time since the last call under `step`.
+  void lap(const std::string& step) {
+    const auto now = std::chrono::steady_clock::now();
+    seconds_[step] = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+  }
+
+ private:
+  std::map<std::string, double>& seconds_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOptions& options,
+                        const std::string& file) {
+  checkInput(input, file);
+  SimplifyResult result;
+  SimplifyReport& report = result.report;
+  Stopwatch watch(report.seconds);
+  report.vertices_in = static_cast<std::int64_t>(input.vertexCount());
+  report.triangles_in = static_cast<std::int64_t>(input.triangleCount());
+
+  WorkingMesh mesh = workingMesh(input);
+  const WorkingFrame frame(mesh);
+  frame.apply(mesh);
+  report.repairs = repair(mesh, options.weld_tolerance * kWorkingDiagonal);
+  if (mesh.triangles.empty()) {
+    throw badInput({file, "", ""}, "no triangle of the mesh has an area",
+                   "at least one triangle with an area");
+  }
+  report.topology_in = topology(mesh);
+  watch.lap("repair");
+
+  const SurfaceQuery original(mesh);
+  HalfEdgeMesh half_edges = halfEdgeMesh(mesh);
+  half_edges.update_face_normals();
+  const FeatureCounts features = markFeatures(half_edges, options.crease_angle_deg);
+  report.crease_edges = features.crease_edges;
+  report.corners = features.corners;
+  const auto target = static_cast<std::size_t>(options.triangles);
+  if (mesh.triangles.size() > target) {
+    const DecimationResult decimation = decimate(half_edges, target);
+    report.collapses = static_cast<std::int64_t>(decimation.collapses);
+    report.constraints = name(decimation.level);
+    watch.lap("decimate");
+    report.flips =
+        relax(half_edges, original, options.relax_rounds, options.max_deviation * kWorkingDiagonal).flips;
+    watch.lap("relax");
+    fit(half_edges, original, 0);
+    watch.lap("fit");
+  }
+  mesh = workingMesh(half_edges);
+  report.topology_out = topology(mesh);
+  report.angles_in = angleQuality(original.mesh());
+  report.angles_out = angleQuality(mesh);
+  const SurfaceQuery simplified(mesh);
+  report.deviation = deviation(original, simplified, kDeviationSamples);
+  report.deviation.hausdorff /= kWorkingDiagonal;
+  report.deviation.mean /= kWorkingDiagonal;
+  const double unit = 1 / frame.scale;
+  report.area_in = area(original.mesh()) * unit * unit;
+  report.area_out = area(mesh) * unit * unit;
+  report.volume_in = volume(original.mesh()) * unit * unit * unit;
+  report.volume_out = volume(mesh) * unit * unit * unit;
+  watch.lap("measure");
+
+  frame.undo(mesh);
+  ShadedMesh shaded = withNormals(mesh, options.crease_angle_deg);
+  report.split_vertices = shaded.split_vertices;
+  result.mesh = std::move(shaded.mesh);
+  report.vertices_out = static_cast<std::int64_t>(result.mesh.vertexCount());
+  report.triangles_out = static_cast<std::int64_t>(result.mesh.triangleCount());
+  watch.lap("normals");
+  return result;
+}
+
+}  // namespace bakelight::simplify

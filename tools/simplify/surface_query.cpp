@@ -1,0 +1,150 @@
+#include "tools/simplify/surface_query.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace bakelight::simplify {
+namespace {
+
+// Closest point of segment ab to p, as the weight of b.
+double segmentParameter(const Vec3& a, const Vec3& b, const Vec3& p) {
+  const double length2 = (b - a).squaredNorm();
+  return length2 > 0 ? std::clamp((p - a).dot(b - a) / length2, 0.0, 1.0) : 0.0;
+}
+
+// Barycentric weights of the point of triangle abc closest to p: Ericson, Real-Time Collision
+// Detection, 5.1.5, with the three sides tried one by one where the foot of the perpendicular lies outside
+// (robust for triangles without area).
+Vec3 closestWeights(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
+  const Vec3 normal = (b - a).cross(c - a);
+  const double area2 = normal.squaredNorm();
+  if (area2 > 0) {
+    const double u = (c - b).cross(p - b).dot(normal), v = (a - c).cross(p - c).dot(normal);
+    const double w = (b - a).cross(p - a).dot(normal);
+    if (u >= 0 && v >= 0 && w >= 0) return Vec3(u, v, w) / (u + v + w);
+  }
+  const double ab = segmentParameter(a, b, p), bc = segmentParameter(b, c, p), ca = segmentParameter(c, a, p);
+  const Vec3 candidates[] = {{1 - ab, ab, 0}, {0, 1 - bc, bc}, {ca, 0, 1 - ca}};
+  const auto distance2 = [&](const Vec3& weights) {
+    return (weights[0] * a + weights[1] * b + weights[2] * c - p).squaredNorm();
+  };
+  return *std::min_element(std::begin(candidates), std::end(candidates),
+                           [&](const Vec3& x, const Vec3& y) { return distance2(x) < distance2(y); });
+}
+
+// Search radius beyond the best distance found, relative and (in units of the largest coordinate) absolute.
+constexpr double kRelativeMargin = 1e-5;
+constexpr double kMarginUnit = 1e-6;
+
+}  // namespace
+
+struct SurfaceQuery::Implementation {
+  WorkingMesh mesh;
+  std::vector<Vec3> normals;
+  double margin = 0;
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+
+  ~Implementation() {
+    rtcReleaseScene(scene);
+    rtcReleaseDevice(device);
+  }
+
+  struct Search {
+    const Implementation* surface;
+    Vec3 position, normal;
+    bool facing_only;
+    SurfacePoint best;
+  };
+  static bool visit(RTCPointQueryFunctionArguments* arguments);
+  SurfacePoint run(const Vec3& position, const Vec3& normal, bool facing_only) const;
+};
+
+bool SurfaceQuery::Implementation::visit(RTCPointQueryFunctionArguments* arguments) {
+  Search& search = *static_cast<Search*>(arguments->userPtr);
+  const Implementation& surface = *search.surface;
+  const std::uint32_t t = arguments->primID;
+  if (search.facing_only && surface.normals[t].dot(search.normal) <= 0) return false;
+  const Vec3 &a = surface.mesh.corner(t, 0), &b = surface.mesh.corner(t, 1), &c = surface.mesh.corner(t, 2);
+  const Vec3 weights = closestWeights(a, b, c, search.position);
+  const Vec3 position = weights[0] * a + weights[1] * b + weights[2] * c;
+  const double distance = (position - search.position).norm();
+  SurfacePoint& best = search.best;
+  if (best.valid && (distance > best.distance || (distance == best.distance && t > best.triangle)))
+    return false;
+  best = {true, distance, position, t, weights};
+  const float radius = static_cast<float>(distance * (1 + kRelativeMargin) + surface.margin);
+  if (radius >= arguments->query->radius) return false;
+  arguments->query->radius = radius;
+  return true;
+}
+
+SurfacePoint SurfaceQuery::Implementation::run(const Vec3& position, const Vec3& normal,
+                                               bool facing_only) const {
+  Search search{this, position, normal, facing_only, {}};
+  RTCPointQuery query{static_cast<float>(position.x()), static_cast<float>(position.y()),
+                      static_cast<float>(position.z()), 0.0f, std::numeric_limits<float>::infinity()};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(scene, &query, &context, &visit, &search);
+  return search.best;
+}
+
+SurfaceQuery::SurfaceQuery(WorkingMesh mesh) : implementation_(std::make_unique<Implementation>()) {
+  Implementation& self = *implementation_;
+  self.mesh = std::move(mesh);
+  self.normals.reserve(self.mesh.triangles.size());
+  for (std::size_t t = 0; t < self.mesh.triangles.size(); ++t) {
+    const Vec3 area = self.mesh.areaVector(t);
+    self.normals.push_back(area.norm() > 0 ? Vec3(area / area.norm()) : Vec3(Vec3::Zero()));
+  }
+  self.device = rtcNewDevice(nullptr);
+  if (self.device == nullptr) throw std::runtime_error("Embree: no device");
+  self.scene = rtcNewScene(self.device);
+  const RTCGeometry geometry = rtcNewGeometry(self.device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), self.mesh.positions.size()));
+  auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle), self.mesh.triangles.size()));
+  if (vertices == nullptr || indices == nullptr) throw std::bad_alloc();
+  double largest = 0;
+  for (const Vec3& position : self.mesh.positions) {
+    for (int k = 0; k < 3; ++k) *vertices++ = static_cast<float>(position[k]);
+    largest = std::max(largest, position.cwiseAbs().maxCoeff());
+  }
+  for (const Triangle& triangle : self.mesh.triangles)
+    indices = std::copy(triangle.begin(), triangle.end(), indices);
+  self.margin = kMarginUnit * largest;
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(self.scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(self.scene);
+  if (rtcGetDeviceError(self.device) != RTC_ERROR_NONE)
+    throw std::runtime_error("Embree: cannot build the tree");
+}
+
+SurfaceQuery::~SurfaceQuery() = default;
+
+SurfacePoint SurfaceQuery::closest(const Vec3& position) const {
+  return implementation_->run(position, Vec3::Zero(), false);
+}
+
+SurfacePoint SurfaceQuery::closestFacing(const Vec3& position, const Vec3& normal) const {
+  return implementation_->run(position, normal, true);
+}
+
+const WorkingMesh& SurfaceQuery::mesh() const {
+  return implementation_->mesh;
+}
+
+const Vec3& SurfaceQuery::triangleNormal(std::uint32_t triangle) const {
+  return implementation_->normals[triangle];
+}
+
+}  // namespace bakelight::simplify

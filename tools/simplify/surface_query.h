@@ -1,0 +1,43 @@
+// Closest points on a triangle mesh; Embree's point query behind it.
+#pragma once
+
+#include <memory>
+
+#include "tools/simplify/working_mesh.h"
+
+namespace bakelight::simplify {
+
+struct SurfacePoint {
+  bool valid = false;  // false only if no triangle qualifies
+  double distance = 0;
+  Vec3 position = Vec3::Zero();
+  std::uint32_t triangle = 0;
+  Vec3 barycentric = Vec3::Zero();  // weights of the triangle's three vertices, sum 1
+};
+
+// The tree is in single precision, distances are double; the search radius keeps a margin over the tree's
+// rounding, and equal distances go to the smallest triangle index, so that the answer depends neither on the
+// instruction set Embree chose nor on the order in which it walks. Thread-safe. About 2 µs a query near the
+// surface.
+class SurfaceQuery {
+ public:
+  // Keeps its own copy of the mesh.
+  explicit SurfaceQuery(WorkingMesh mesh);
+  ~SurfaceQuery();
+  SurfaceQuery(const SurfaceQuery&) = delete;
+  SurfaceQuery& operator=(const SurfaceQuery&) = delete;
+
+  SurfacePoint closest(const Vec3& position) const;
+  // Only among triangles whose normal is within 90° of `normal`, so that the far side of a thin sheet is
+  // never met.
+  SurfacePoint closestFacing(const Vec3& position, const Vec3& normal) const;
+
+  const WorkingMesh& mesh() const;
+  const Vec3& triangleNormal(std::uint32_t triangle) const;  // unit; zero for a triangle without area
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace bakelight::simplify

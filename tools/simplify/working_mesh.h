@@ -1,0 +1,28 @@
+// The mesh as the simplify stage works on it: double precision, positions only, in any unit of length.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "formats/triangle_mesh.h"
+#include "transport/vector_types.h"
+
+namespace bakelight::simplify {
+
+using formats::Triangle;
+using transport::Vec3;
+
+struct WorkingMesh {
+  std::vector<Vec3> positions;
+  std::vector<Triangle> triangles;  // counter-clockwise seen from outside
+
+  const Vec3& corner(std::size_t triangle, int k) const { return positions[triangles[triangle][k]]; }
+  // Twice the area, along the normal.
+  Vec3 areaVector(std::size_t triangle) const {
+    return (corner(triangle, 1) - corner(triangle, 0)).cross(corner(triangle, 2) - corner(triangle, 0));
+  }
+};
+
+WorkingMesh workingMesh(const formats::TriangleMesh& mesh);
+
+}  // namespace bakelight::simplify
