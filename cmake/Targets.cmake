@@ -30,6 +30,9 @@ function(bakelight_library name)
   endif()
 endfunction()
 
+# All executables, without tests and benchmarks: what `make pipeline` needs.
+add_custom_target(tools)
+
 # bakelight_executable(NAME SOURCES main.cpp LIBRARIES libs): lands in <build>/bin.
 function(bakelight_executable name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
@@ -37,6 +40,7 @@ function(bakelight_executable name)
   add_executable(${name}-tool ${ARG_SOURCES})
   set_target_properties(${name}-tool PROPERTIES OUTPUT_NAME ${name})
   target_link_libraries(${name}-tool PRIVATE bakelight_flags ${ARG_LIBRARIES})
+  add_dependencies(tools ${name}-tool)
 endfunction()
 
 # bakelight_test(NAME SOURCES a_test.cpp ... LIBRARIES libs [DEPENDS targets]): one GoogleTest program a room;

@@ -1,0 +1,195 @@
+// The transfer bake beside the ray tracer that it stands on: how much of bare Embree's ray rate is left once
+// hemispheres are collected and coefficients are summed up.
+//
+// raw_ray_ratio = (the bake's shadow rays/s) ÷ (the same rays through bare Embree in the same run), both on
+// all cores. Bare Embree is given the rays in the same order and its best interface of those tried (single
+// rays, packets of 8 and 16); bake and rival run in turn, and the ratio is that of the medians, as machines
+// drift.
+#include <benchmark/benchmark.h>
+#include <embree3/rtcore.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+#include <limits>
+
+#include "formats/mesh_import.h"
+#include "tools/simplify/simplify.h"
+#include "tools/transfer/transfer.h"
+#include "transport/camera.h"
+#include "transport/directions.h"
+
+namespace bakelight {
+namespace {
+
+using transport::vec3;
+using Clock = std::chrono::steady_clock;
+
+constexpr int kTriangles = 21596;  // about 10,800 vertices
+constexpr int kDirections = 4096;
+constexpr int kRounds = 5;
+
+const formats::TriangleMesh& bunny() {
+  static const formats::TriangleMesh mesh = [] {
+    const char* folder = std::getenv("BAKELIGHT_DATA");
+    const std::string path =
+        std::string(folder != nullptr ? folder : BAKELIGHT_DATA_DIR) + "/models/bunny.obj";
+    simplify::SimplifyOptions options;
+    options.triangles = kTriangles;
+    return simplify::simplify(formats::importMesh(path).mesh, options, path).mesh;
+  }();
+  return mesh;
+}
+
+// Embree without anything of ours around it.
+class BareEmbree {
+ public:
+  explicit BareEmbree(const formats::TriangleMesh& mesh)
+      : mesh_(mesh), directions_(transport::sphereDirections(kDirections)) {
+    RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
+                                        mesh.vertexCount()),
+                mesh.positions.data(), 12 * mesh.vertexCount());
+    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
+                                        mesh.triangleCount()),
+                mesh.triangles.data(), 12 * mesh.triangleCount());
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_, geometry);
+    rtcReleaseGeometry(geometry);
+    // The same tree as the bake's: the ratio is about what surrounds the tracer.
+    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
+    rtcCommitScene(scene_);
+    offset_ = static_cast<float>(transfer::DiffuseOptions().bias * transport::boundingSphere(mesh).radius);
+  }
+  ~BareEmbree() {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+  }
+  BareEmbree(const BareEmbree&) = delete;
+  BareEmbree& operator=(const BareEmbree&) = delete;
+
+  struct Traced {
+    std::uint64_t rays = 0, blocked = 0;
+    double rays_per_s = 0;
+  };
+
+  // `Packet` is RTCRay, RTCRay8 or RTCRay16.
+  template <class Packet, int kWidth>
+  Traced trace() const {
+    std::atomic<std::uint64_t> rays{0}, blocked{0};
+    const auto start = Clock::now();
+    tbb::parallel_for(std::size_t{0}, mesh_.vertexCount(), [&](std::size_t vertex) {
+      RTCIntersectContext context;
+      rtcInitIntersectContext(&context);
+      alignas(64) Packet packet{};
+      alignas(64) int valid[kWidth];
+      int filled = 0;
+      std::uint64_t own_rays = 0, own_blocked = 0;
+      const auto flush = [&] {
+        for (int i = 0; i < kWidth; ++i) valid[i] = i < filled ? -1 : 0;
+        if constexpr (kWidth == 1) rtcOccluded1(scene_, &context, reinterpret_cast<RTCRay*>(&packet));
+        if constexpr (kWidth == 8) rtcOccluded8(valid, scene_, &context, reinterpret_cast<RTCRay8*>(&packet));
+        if constexpr (kWidth == 16)
+          rtcOccluded16(valid, scene_, &context, reinterpret_cast<RTCRay16*>(&packet));
+        for (int i = 0; i < filled; ++i) own_blocked += lane(packet, 8, kWidth)[i] < 0 ? 1 : 0;
+        own_rays += filled;
+        filled = 0;
+      };
+      const formats::Float3& normal = mesh_.normals[vertex];
+      const formats::Float3& position = mesh_.positions[vertex];
+      for (const auto& direction : directions_) {
+        const formats::Float3 d = transport::float3(direction);
+        if (normal[0] * d[0] + normal[1] * d[1] + normal[2] * d[2] <= 0) continue;
+        // Field order of every Embree 3 ray type: org xyz, tnear, dir xyz, time, tfar, mask.
+        for (int c = 0; c < 3; ++c) {
+          lane(packet, c, kWidth)[filled] = position[c] + offset_ * normal[c];
+          lane(packet, 4 + c, kWidth)[filled] = d[c];
+        }
+        lane(packet, 8, kWidth)[filled] = std::numeric_limits<float>::infinity();
+        reinterpret_cast<unsigned*>(lane(packet, 9, kWidth))[filled] = ~0u;
+        if (++filled == kWidth) flush();
+      }
+      if (filled > 0) flush();
+      rays += own_rays;
+      blocked += own_blocked;
+    });
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    return {rays, blocked, static_cast<double>(rays) / seconds};
+  }
+
+ private:
+  template <class Packet>
+  static float* lane(Packet& packet, int field, int width) {
+    return reinterpret_cast<float*>(&packet) + static_cast<std::ptrdiff_t>(field) * width;
+  }
+
+  const formats::TriangleMesh& mesh_;
+  std::vector<transport::Vec3> directions_;
+  RTCDevice device_ = rtcNewDevice(nullptr);
+  RTCScene scene_ = rtcNewScene(device_);
+  float offset_ = 0;
+};
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return values[values.size() / 2];
+}
+
+void shadowedVectors(benchmark::State& state) {
+  const formats::TriangleMesh& mesh = bunny();
+  const BareEmbree bare(mesh);
+  transfer::DiffuseOptions options;
+  options.directions = kDirections;
+  options.order = static_cast<int>(state.range(0));
+  stage::Progress silent(stage::ProgressStyle::kNone, "", 0, "");
+
+  for (auto _ : state) {
+    std::vector<double> ours, singles, eights, sixteens, bake_s;
+    transfer::DiffuseTransfer baked;
+    BareEmbree::Traced traced;
+    for (int round = 0; round < kRounds; ++round) {
+      const auto start = Clock::now();
+      baked = transfer::bakeDiffuse(mesh, options, silent);
+      bake_s.push_back(std::chrono::duration<double>(Clock::now() - start).count());
+      ours.push_back(static_cast<double>(baked.rays) / bake_s.back());
+      singles.push_back(bare.trace<RTCRay, 1>().rays_per_s);
+      eights.push_back(bare.trace<RTCRay8, 8>().rays_per_s);
+      traced = bare.trace<RTCRay16, 16>();
+      sixteens.push_back(traced.rays_per_s);
+    }
+    if (traced.rays != baked.rays || traced.blocked != baked.blocked_rays) {
+      state.SkipWithError("bake and bare Embree did not trace the same rays");
+      return;
+    }
+    const double rival = std::max({median(singles), median(eights), median(sixteens)});
+    state.SetIterationTime(median(bake_s));
+    state.counters["raw_ray_ratio"] = median(ours) / rival;
+    state.counters["rays"] = static_cast<double>(baked.rays);
+    state.counters["blocked_share"] =
+        static_cast<double>(baked.blocked_rays) / static_cast<double>(baked.rays);
+    state.counters["bake_rays_per_s"] = median(ours);
+    state.counters["embree_rays_per_s_1"] = median(singles);
+    state.counters["embree_rays_per_s_8"] = median(eights);
+    state.counters["embree_rays_per_s_16"] = median(sixteens);
+    state.counters["vertices"] = static_cast<double>(mesh.vertexCount());
+    state.counters["quadrature_error"] = baked.quadrature_error;
+  }
+}
+BENCHMARK(shadowedVectors)
+    ->Arg(5)
+    ->Iterations(1)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond)
+    ->ArgName("order");
+
+}  // namespace
+}  // namespace bakelight
+
+BENCHMARK_MAIN();
