@@ -1,0 +1,38 @@
+// The player's picture against one made on the CPU from the same pack, light and camera.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+#include "tools/player/frame.h"
+
+namespace bakelight::tests {
+
+struct PlayerComparison {
+  std::size_t pixels = 0;             // of the picture
+  std::size_t object_pixels = 0;      // compared, and see the object in every subsample
+  std::size_t backdrop_pixels = 0;    // compared, and see none of it
+  std::size_t silhouette_pixels = 0;  // left out
+  int largest_difference = 0;         // display codes, over all channels of the compared pixels
+  std::size_t differing_pixels = 0;   // by one code or more
+  int worst_x = 0, worst_y = 0;
+
+  // Every compared channel within one code, and at least a fifth of the picture compared on the object.
+  bool agrees() const { return largest_difference <= 1 && object_pixels * 5 >= pixels; }
+  // One line with all of the above.
+  std::string summary() const;
+};
+
+// Runs the `player` executable on the files (an empty environment path: its default light) and renders the
+// same frame by transport::renderOnCpu. Left out are silhouette pixels: those where a subsample of the pixel
+// or of its eight neighbours lies across an edge of visibility from the next one, so that a rounding decides
+// which surface is seen. Writes player.png and cpu.png into `folder`. Throws std::runtime_error if the player
+// fails.
+PlayerComparison comparePlayerWithCpu(const std::filesystem::path& player_executable,
+                                      const std::filesystem::path& pack_path,
+                                      const std::filesystem::path& environment_path,
+                                      const player::FrameSettings& settings,
+                                      const std::filesystem::path& folder);
+
+}  // namespace bakelight::tests

@@ -1,0 +1,51 @@
+#include "tools/player/gl_objects.h"
+
+#include <algorithm>
+#include <string>
+
+#include "formats/error.h"
+
+namespace bakelight::player {
+
+Buffer makeBuffer(std::size_t size_bytes, const void* data, GLbitfield flags) {
+  GLuint name = 0;
+  glCreateBuffers(1, &name);
+  Buffer buffer(name);
+  const bool empty = size_bytes == 0;
+  glNamedBufferStorage(name, empty ? 4 : static_cast<GLsizeiptr>(size_bytes), empty ? nullptr : data, flags);
+  return buffer;
+}
+
+Texture makeTexture(GLenum format, int width_px, int height_px) {
+  GLuint name = 0;
+  glCreateTextures(GL_TEXTURE_2D, 1, &name);
+  Texture texture(name);
+  glTextureStorage2D(name, 1, format, width_px, height_px);
+  glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  glTextureParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTextureParameteri(name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  return texture;
+}
+
+Framebuffer makeFramebuffer(const Texture& color, const Texture& depth) {
+  GLuint name = 0;
+  glCreateFramebuffers(1, &name);
+  Framebuffer framebuffer(name);
+  glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, color.name(), 0);
+  if (depth.name() != 0) glNamedFramebufferTexture(name, GL_DEPTH_ATTACHMENT, depth.name(), 0);
+  const GLenum status = glCheckNamedFramebufferStatus(name, GL_DRAW_FRAMEBUFFER);
+  if (status != GL_FRAMEBUFFER_COMPLETE)
+    throw Error(ExitStatus::kNotAvailable, {"", "framebuffer", ""},
+                "this OpenGL cannot draw into the picture's format (status " + std::to_string(status) + ")",
+                "32-bit float colour and depth", "a smaller picture, or another driver");
+  return framebuffer;
+}
+
+VertexArray makeVertexArray() {
+  GLuint name = 0;
+  glCreateVertexArrays(1, &name);
+  return VertexArray(name);
+}
+
+}  // namespace bakelight::player

@@ -1,0 +1,47 @@
+#include "tools/player/headless.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+
+#include "tools/player/gl_context.h"
+#include "tools/player/renderer.h"
+
+namespace bakelight::player {
+namespace {
+
+template <class Work>
+double medianMilliseconds(const Work& work) {
+  std::array<double, 5> times{};
+  for (double& time : times) {
+    glFinish();
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    glFinish();
+    time = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  }
+  std::ranges::sort(times);
+  return times[times.size() / 2];
+}
+
+}  // namespace
+
+HeadlessPicture renderHeadless(const formats::Pack& pack, const Environment& environment,
+                               const FrameSettings& settings, PictureEncoding encoding) {
+  const HeadlessContext context;
+  Renderer renderer(pack, environment);
+  HeadlessPicture picture;
+  picture.gl_renderer = glRendererName();
+  picture.exposure = renderer.exposure(settings);
+  picture.light_change_ms = medianMilliseconds([&] { renderer.updateLight(settings); });
+  picture.frame_ms = medianMilliseconds([&] {
+    renderer.draw(settings);
+    picture.image = encoding == PictureEncoding::kDisplay ? renderer.target().displayImage(picture.exposure)
+                                                          : renderer.target().linearImage();
+  });
+  return picture;
+}
+
+}  // namespace bakelight::player

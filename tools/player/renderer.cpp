@@ -1,0 +1,147 @@
+#include "tools/player/renderer.h"
+
+#include <cmath>
+#include <Eigen/LU>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/error.h"
+#include "tools/player/gl_context.h"
+#include "tools/player/gl_program.h"
+
+namespace bakelight::player {
+namespace {
+
+enum Attribute : GLuint { kPosition = 0, kRadiance = 1 };  // locations in surface.vert
+
+// Positions go to the GPU from the sphere's centre: an object far from the origin keeps its float digits.
+std::vector<formats::Float3> centered(const formats::TriangleMesh& mesh, const transport::Vec3& center) {
+  std::vector<formats::Float3> positions;
+  positions.reserve(mesh.positions.size());
+  for (const auto& position : mesh.positions)
+    positions.push_back(transport::float3(transport::vec3(position) - center));
+  return positions;
+}
+
+void setUniform(GLint location, const transport::Vec3& value) {
+  const Eigen::Vector3f v = value.cast<float>();
+  glUniform3fv(location, 1, v.data());
+}
+
+}  // namespace
+
+Renderer::Renderer(const formats::Pack& pack, Environment environment)
+    : bounds_(transport::boundingSphere(pack.mesh)),
+      base_color_(pack.base_color),
+      order_(pack.transfer.order),
+      light_(std::move(environment.light)),
+      vertex_radiance_(pack.transfer, pack.mesh.vertexCount()),
+      surface_program_(makeProgram({{GL_VERTEX_SHADER, kSurfaceVert}, {GL_FRAGMENT_SHADER, kSurfaceFrag}})),
+      backdrop_program_(
+          makeProgram({{GL_VERTEX_SHADER, kFullscreenVert}, {GL_FRAGMENT_SHADER, kBackdropFrag}})),
+      no_attributes_(makeVertexArray()) {
+  uploadMesh(pack);
+  uploadBackdrop(environment.image);
+}
+
+void Renderer::uploadMesh(const formats::Pack& pack) {
+  const auto& triangles = pack.mesh.triangles;
+  if (triangles.size() > static_cast<std::size_t>(std::numeric_limits<GLsizei>::max()) / 3)
+    throw badInput({"", "mesh", ""},
+                   std::to_string(triangles.size()) + " triangles are too many for one draw call",
+                   "at most 715827882 triangles", "a simplified mesh");
+  index_count_ = static_cast<GLsizei>(triangles.size() * 3);
+  indices_ = makeBuffer(triangles.size() * sizeof(formats::Triangle), triangles.data());
+  positions_ = makeBuffer(pack.mesh.vertexCount() * sizeof(formats::Float3),
+                          centered(pack.mesh, bounds_.center).data());
+
+  surface_ = makeVertexArray();
+  const GLuint surface = surface_.name();
+  const auto attribute = [surface](Attribute location, const Buffer& buffer) {
+    glVertexArrayVertexBuffer(surface, location, buffer.name(), 0, sizeof(formats::Float3));
+    glEnableVertexArrayAttrib(surface, location);
+    glVertexArrayAttribFormat(surface, location, 3, GL_FLOAT, GL_FALSE, 0);
+    glVertexArrayAttribBinding(surface, location, location);
+  };
+  attribute(kPosition, positions_);
+  attribute(kRadiance, vertex_radiance_.buffer());
+  glVertexArrayElementBuffer(surface, indices_.name());
+  throwIfGlFailed("uploading the mesh");
+}
+
+void Renderer::uploadBackdrop(const formats::Image& image) {
+  GLint largest = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+  if (std::max(image.width, image.height) > largest)
+    throw badInput({"", "environment", ""},
+                   "is " + std::to_string(image.width) + " × " + std::to_string(image.height) + " pixels",
+                   "at most " + std::to_string(largest) + " pixels a side on this OpenGL", "a smaller image");
+  backdrop_ = makeTexture(GL_RGB32F, image.width, image.height);
+  glTextureSubImage2D(backdrop_.name(), 0, 0, 0, image.width, image.height, GL_RGB, GL_FLOAT,
+                      image.values.data());
+  throwIfGlFailed("uploading the environment");
+}
+
+void Renderer::updateLight(const FrameSettings& settings) {
+  const transport::ShRotation rotation(order_, worldFromLight(settings));
+  vertex_radiance_.evaluate(rotation.apply(light_));
+  light_yaw_deg_ = settings.light_yaw_deg;
+  light_pitch_deg_ = settings.light_pitch_deg;
+  light_evaluated_ = true;
+}
+
+float Renderer::exposure(const FrameSettings& settings) const {
+  return static_cast<float>(exposureFactor(settings, light_));
+}
+
+void Renderer::draw(const FrameSettings& settings) {
+  if (!light_evaluated_ || settings.light_yaw_deg != light_yaw_deg_ ||
+      settings.light_pitch_deg != light_pitch_deg_)
+    updateLight(settings);
+  target_.resize(settings.width_px, settings.height_px, settings.supersampling);
+  target_.beginFrame(settings.background == Background::kTransparent ? 0.0f : 1.0f);
+
+  const transport::OrbitCamera camera = frameCamera(settings, bounds_);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);  // the backdrop lies at the far plane itself
+  drawSurface(camera);
+  if (settings.background == Background::kEnvironment) drawBackdrop(camera, worldFromLight(settings));
+  throwIfGlFailed("drawing");
+}
+
+void Renderer::drawSurface(const transport::OrbitCamera& camera) const {
+  // Both sides are drawn, as rays hit both: open meshes show their inside.
+  Eigen::Matrix4d world_from_object = Eigen::Matrix4d::Identity();
+  world_from_object.topRightCorner<3, 1>() = bounds_.center;
+  const double aspect = static_cast<double>(target_.widthPx()) / target_.heightPx();
+  const Eigen::Matrix4f clip_from_object =
+      (camera.clipFromView(aspect, bounds_) * camera.viewFromWorld() * world_from_object).cast<float>();
+  glUseProgram(surface_program_.name());
+  glUniformMatrix4fv(0, 1, GL_FALSE, clip_from_object.data());
+  glUniform3fv(1, 1, base_color_.data());
+  glBindVertexArray(surface_.name());
+  glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
+}
+
+void Renderer::drawBackdrop(const transport::OrbitCamera& camera,
+                            const Eigen::Matrix3d& world_from_light) const {
+  // Rows of viewFromWorld: right, up, backward.
+  const Eigen::Matrix3d world_from_view = camera.viewFromWorld().topLeftCorner<3, 3>().transpose();
+  const Eigen::Matrix3d light_from_view = world_from_light.transpose() * world_from_view;
+  const double half_height = std::tan(camera.field_of_view_deg * std::numbers::pi / 360);
+  const double half_width = half_height * target_.widthPx() / target_.heightPx();
+  glUseProgram(backdrop_program_.name());
+  glUniform2f(0, static_cast<float>(target_.widthPx() * target_.supersampling()),
+              static_cast<float>(target_.heightPx() * target_.supersampling()));
+  setUniform(1, -light_from_view.col(2));
+  setUniform(2, light_from_view.col(0) * half_width);
+  setUniform(3, light_from_view.col(1) * half_height);
+  glBindTextureUnit(0, backdrop_.name());
+  glBindVertexArray(no_attributes_.name());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+}  // namespace bakelight::player
