@@ -1,0 +1,189 @@
+#include "pipeline/asset.h"
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+#include "formats/error.h"
+#include "pipeline/json_object.h"
+
+namespace bakelight::pipeline {
+namespace fs = std::filesystem;
+using formats::Json;
+namespace {
+
+constexpr const char* kAssetFile = "asset.json";
+constexpr const char* kMeshPort = "mesh";
+constexpr std::string_view kDataPrefix = "data:";
+
+std::string lowercaseEnding(const fs::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
+bool endsAs(const fs::path& path, const AssetPort& port) {
+  return std::find(port.endings.begin(), port.endings.end(), lowercaseEnding(path)) != port.endings.end();
+}
+
+// "." and "models/" have names too.
+std::string folderName(const fs::path& folder) {
+  const fs::path whole = fs::absolute(folder).lexically_normal();
+  return whole.has_filename() ? whole.filename().string() : whole.parent_path().filename().string();
+}
+
+class Finder {
+ public:
+  Finder(const fs::path& data_folder, RecipeBook& recipes, const Disk& disk, Problems& problems)
+      : data_folder_(data_folder), recipes_(recipes), disk_(disk), problems_(problems) {}
+
+  void find(const fs::path& path) {
+    const auto stat = disk_.stat(path);
+    if (!stat) throw badInput({path.string(), "", ""}, "does not exist", "an asset folder or a mesh file");
+    if (stat->folder)
+      findInFolder(path);
+    else if (path.filename() == kAssetFile)
+      readAssetFile(path);
+    else if (endsAs(path, defaultPort(kMeshPort)))
+      addMesh(path, path.stem().string());
+    else
+      throw badInput({path.string(), "", ""}, "is not a mesh file",
+                     "a file that ends in " + join(defaultPort(kMeshPort).endings, ", ") +
+                         ", or a folder with such a file or asset.json");
+  }
+
+  std::vector<Asset> take() { return std::move(assets_); }
+
+ private:
+  const Recipe& defaultRecipe() { return recipes_.require(RecipeBook::kDefault, {}); }
+  const AssetPort& defaultPort(const std::string& name) { return defaultRecipe().asset.at(name); }
+
+  std::vector<fs::path> filesFor(const AssetPort& port, const fs::path& folder) const {
+    std::vector<fs::path> found;
+    for (const std::string& name : disk_.list(folder))
+      if (!name.starts_with('.') && endsAs(name, port) && disk_.isFile(folder / name))
+        found.push_back(folder / name);
+    return found;
+  }
+
+  // Sub-folders that are assets themselves: with asset.json, or with a mesh.
+  std::vector<fs::path> assetFoldersIn(const fs::path& folder) {
+    std::vector<fs::path> found;
+    for (const std::string& name : disk_.list(folder)) {
+      const fs::path inner = folder / name;
+      if (name.starts_with('.') || !disk_.isFolder(inner)) continue;
+      if (disk_.isFile(inner / kAssetFile) || !filesFor(defaultPort(kMeshPort), inner).empty())
+        found.push_back(inner);
+    }
+    return found;
+  }
+
+  void findInFolder(const fs::path& folder) {
+    if (disk_.isFile(folder / kAssetFile)) return readAssetFile(folder / kAssetFile);
+    const std::vector<fs::path> meshes = filesFor(defaultPort(kMeshPort), folder);
+    const std::vector<fs::path> folders = assetFoldersIn(folder);
+    if (meshes.empty() && folders.empty())
+      throw badInput({folder.string(), "", ""}, "has no asset",
+                     "asset.json, a mesh file (" + join(defaultPort(kMeshPort).endings, ", ") +
+                         "), or sub-folders with these");
+    if (meshes.size() == 1 && folders.empty()) return addFolderWithOneMesh(folder, meshes.front());
+    for (const fs::path& mesh : meshes) addMesh(mesh, mesh.stem().string());
+    for (const fs::path& inner : folders) problems_.attempt([&] { addSubFolder(inner); });
+  }
+
+  void addSubFolder(const fs::path& folder) {
+    if (disk_.isFile(folder / kAssetFile)) return readAssetFile(folder / kAssetFile);
+    const std::vector<fs::path> meshes = filesFor(defaultPort(kMeshPort), folder);
+    if (meshes.size() > 1)
+      throw badInput({folder.string(), "", ""}, "has " + std::to_string(meshes.size()) + " mesh files",
+                     "one mesh file, or an asset.json that names one",
+                     "name that folder itself on the command line");
+    addFolderWithOneMesh(folder, meshes.front());
+  }
+
+  void addMesh(const fs::path& mesh, const std::string& name) {
+    assets_.push_back({.name = name, .file = mesh.string(), .files = {{kMeshPort, mesh}}});
+  }
+
+  // Files for the other ports count if there is one candidate only; with two, the user has to say which.
+  void addFolderWithOneMesh(const fs::path& folder, const fs::path& mesh) {
+    addMesh(mesh, folderName(folder));
+    for (const auto& [name, port] : defaultRecipe().asset) {
+      if (name == kMeshPort) continue;
+      const std::vector<fs::path> candidates = filesFor(port, folder);
+      if (candidates.size() == 1) assets_.back().files[name] = candidates.front();
+    }
+  }
+
+  void readAssetFile(const fs::path& file) {
+    const Json json = formats::parseJson(disk_.read(file), file.string());
+    const JsonObject object(json, file.string());
+    Asset asset{.name = "", .file = file.string()};
+    asset.recipe = object.text("recipe", RecipeBook::kDefault);
+    const Recipe& recipe = recipes_.require(asset.recipe, object.placeOf("recipe"));
+
+    std::vector<std::string> keys = {"name", "recipe", "stages", "deliver"};
+    for (const auto& [port, ignored] : recipe.asset) keys.push_back(port);
+    object.allowKeys(keys, problems_);
+    problems_.attempt(
+        [&] { asset.name = object.text("name", folderName(fs::absolute(file).parent_path())); });
+    problems_.attempt([&] {
+      object.object("stages");
+      if (object.has("stages")) asset.stages = object.value("stages");
+    });
+    problems_.attempt([&] {
+      if (object.has("deliver")) asset.deliver = object.texts("deliver");
+    });
+    for (const auto& [name, port] : recipe.asset)
+      problems_.attempt([&] {
+        if (object.has(name) || port.required)
+          asset.files[name] = fileNamed(object, name, file.parent_path());
+      });
+    assets_.push_back(std::move(asset));
+  }
+
+  fs::path fileNamed(const JsonObject& object, const std::string& key, const fs::path& folder) const {
+    const std::string text = object.text(key);
+    const bool in_data = text.starts_with(kDataPrefix);
+    const fs::path path = in_data ? data_folder_ / text.substr(kDataPrefix.size()) : folder / text;
+    if (!disk_.isFile(path))
+      throw badInput(object.placeOf(key), "there is no file " + path.lexically_normal().string(), "",
+                     in_data ? "run `make assets`, or name the data folder with --data" : "correct the path");
+    return path.lexically_normal();
+  }
+
+  const fs::path& data_folder_;
+  RecipeBook& recipes_;
+  const Disk& disk_;
+  Problems& problems_;
+  std::vector<Asset> assets_;
+};
+
+void checkNames(const std::vector<Asset>& assets, Problems& problems) {
+  std::map<std::string, std::string> file_of;
+  for (const Asset& asset : assets) {
+    if (asset.name.empty() || asset.name.starts_with('.') || asset.name.find('/') != std::string::npos)
+      problems.add(badInput({asset.file, "", ""}, "\"" + asset.name + "\" cannot be the name of an asset",
+                            "a name for a folder, not starting with a dot"));
+    const auto [other, is_new] = file_of.emplace(asset.name, asset.file);
+    if (!is_new)
+      problems.add(
+          badInput({asset.file, "", ""},
+                   "is a second asset of the name \"" + asset.name + "\"; the first is " + other->second,
+                   "each name once", "give one of them another \"name\" in its asset.json"));
+  }
+}
+
+}  // namespace
+
+std::vector<Asset> findAssets(const std::vector<fs::path>& paths, const fs::path& data_folder,
+                              RecipeBook& recipes, const Disk& disk, Problems& problems) {
+  Finder finder(data_folder, recipes, disk, problems);
+  for (const fs::path& path : paths) problems.attempt([&] { finder.find(path); });
+  std::vector<Asset> assets = finder.take();
+  checkNames(assets, problems);
+  return assets;
+}
+
+}  // namespace bakelight::pipeline

@@ -1,0 +1,34 @@
+// Assets: what the user wants baked. Found in folders, or told by asset.json (docs/PIPELINE.md).
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/json.h"
+#include "pipeline/disk.h"
+#include "pipeline/problems.h"
+#include "pipeline/recipe.h"
+
+namespace bakelight::pipeline {
+
+struct Asset {
+  std::string name;  // a file name: the folder in the output folder
+  std::string file;  // asset.json as the user would name it, or the mesh: for errors
+  std::string recipe = RecipeBook::kDefault;
+  std::map<std::string, std::filesystem::path> files = {};  // by asset port of the recipe; all exist
+  formats::Json stages = formats::Json::object();  // overrides: stage → parameter → value, not checked yet
+  std::optional<std::vector<std::string>> deliver = {};  // nothing: all that the recipe delivers
+};
+
+// The assets that `paths` stand for, in their order: a folder with asset.json, a folder with one mesh file, a
+// mesh file, or a folder with several of these. Every mistake is put into `problems`; what could be read is
+// returned. `data_folder` is what "data:..." in asset.json is relative to.
+std::vector<Asset> findAssets(const std::vector<std::filesystem::path>& paths,
+                              const std::filesystem::path& data_folder, RecipeBook& recipes, const Disk& disk,
+                              Problems& problems);
+
+}  // namespace bakelight::pipeline

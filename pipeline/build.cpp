@@ -1,0 +1,300 @@
+#include "pipeline/build.h"
+
+#include <signal.h>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "formats/error.h"
+#include "pipeline/json_object.h"
+
+namespace bakelight::pipeline {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int kWait_ms = 100;
+constexpr int kSignalBase = 128;  // a shell's convention for the status of a killed process
+constexpr const char* kParametersFile = "parameters.json";
+constexpr const char* kInterrupted = "interrupted";
+
+std::string optionFor(const std::string& port) {
+  std::string option = "--" + port;
+  std::replace(option.begin() + 2, option.end(), '_', '-');
+  return option;
+}
+
+void replaceAll(std::string& text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+}
+
+std::string signalName(int signal) {
+  const char* abbreviation = ::sigabbrev_np(signal);
+  return abbreviation != nullptr ? std::string("SIG") + abbreviation : "signal " + std::to_string(signal);
+}
+
+}  // namespace
+
+int BuildResult::exitStatus() const {
+  if (interrupted) return static_cast<int>(ExitStatus::kInterrupted);
+  for (const Outcome& outcome : outcomes)
+    if (outcome.status == StageStatus::kFailed) return outcome.exit_status;
+  return unwritten_records.empty() ? 0 : static_cast<int>(unwritten_records.front().status());
+}
+
+Build::Build(const Parts& parts, const std::vector<PastRecord>& past, BuildSettings settings)
+    : parts_(parts),
+      graph_(parts.graph),
+      past_(past),
+      settings_(settings),
+      explainer_(parts.graph, parts.tools, parts.cache, parts.out, parts.memo, past),
+      free_cores_(settings.cores) {}
+
+BuildResult Build::run() {
+  prepare();
+  while (true) {
+    if (!result_.interrupted && parts_.runner.interrupted()) interrupt();
+    startWhatIsReady();
+    if (running_.empty() && ready_.empty()) break;
+    if (const auto event = parts_.runner.wait(kWait_ms)) take(*event);
+  }
+  for (TaskIndex task = 0; task < graph_.tasks.size(); ++task)
+    if (!settled_[task]) settleNotRun(task, kInterrupted);
+  return std::move(result_);
+}
+
+void Build::prepare() {
+  const std::size_t count = graph_.tasks.size();
+  result_.outcomes.resize(count);
+  entries_.resize(count);
+  users_.resize(count);
+  open_makers_.resize(count);
+  settled_.resize(count);
+  open_stages_.resize(graph_.assets.size());
+  for (TaskIndex task = 0; task < count; ++task) ++open_stages_[graph_.tasks[task].asset];
+  for (TaskIndex task = 0; task < count; ++task) {
+    if (!graph_.tasks[task].left_out.empty()) {
+      settle(task, {.status = StageStatus::kLeftOut, .reason = graph_.tasks[task].left_out});
+      continue;
+    }
+    std::set<TaskIndex> makers;
+    for (const auto& [port, input] : graph_.tasks[task].inputs)
+      if (input.maker) makers.insert(*input.maker);
+    for (const TaskIndex maker : makers) users_[maker].push_back(task);
+    open_makers_[task] = makers.size();
+    if (makers.empty()) ready_.insert(task);
+  }
+}
+
+void Build::startWhatIsReady() {
+  while (!result_.interrupted && !ready_.empty() && running_.size() < settings_.jobs && free_cores_ > 0) {
+    const TaskIndex task = *ready_.begin();
+    ready_.erase(ready_.begin());
+    try {
+      consider(task);
+    } catch (const Error& error) {
+      settleFailed(task, error, static_cast<int>(error.status()));
+    }
+    if (parts_.runner.interrupted()) interrupt();
+  }
+}
+
+void Build::consider(TaskIndex task) {
+  Verdict verdict = explainer_.judge(task, entries_);
+  if (verdict.mustRun()) return launch(task, std::move(verdict));
+
+  parts_.out.publish(task, *verdict.entry);
+  std::string reason = "up to date";
+  if (!verdict.changes.empty())
+    reason = join(verdict.changes, "; ");
+  else if (!verdict.misplaced.empty())
+    reason = join(verdict.misplaced, "; ");
+  settle(task, {.status = StageStatus::kCached,
+                .reason = std::move(reason),
+                .published = !verdict.upToDate(),
+                .ingredients = std::move(verdict.ingredients),
+                .entry = std::move(verdict.entry)});
+}
+
+void Build::launch(TaskIndex task, Verdict verdict) {
+  Running running{.key = verdict.ingredients.key(),
+                  .ingredients = std::move(verdict.ingredients),
+                  .reason = join(verdict.changes, "; "),
+                  .threads = threadsForNext()};
+  const auto same = std::find_if(running_.begin(), running_.end(),
+                                 [&](const auto& other) { return other.second.key == running.key; });
+  if (same != running_.end()) {
+    same_key_[running.key].push_back(task);
+    return;
+  }
+  const fs::path folder = parts_.cache.startEntry(running.key);
+  parts_.disk.write(folder / kParametersFile, running.ingredients.parameters.dump(2) + "\n");
+  parts_.runner.start(task, commandFor(task, running, folder));
+  free_cores_ -= running.threads;
+  running_.emplace(task, std::move(running));
+  parts_.observer.started(task);
+}
+
+// The free cores, shared evenly among what can start now; outputs do not depend on it.
+std::size_t Build::threadsForNext() const {
+  const std::size_t starting = std::min(settings_.jobs - running_.size(), ready_.size() + 1);
+  return std::max<std::size_t>(1, free_cores_ / starting);
+}
+
+std::vector<std::string> Build::commandFor(TaskIndex index, const Running& running,
+                                           const fs::path& folder) const {
+  const Task& task = graph_.tasks[index];
+  std::vector<std::string> command = {parts_.tools.require(task.tool, {}).executable.string()};
+  const auto add = [&](const std::string& option, const std::string& value) {
+    command.push_back(option);
+    command.push_back(value);
+  };
+  for (const auto& [port, input] : task.inputs) {
+    const auto made = [&] {
+      return entries_[*input.maker]->pathOf(entries_[*input.maker]->outputs.at(input.port));
+    };
+    add(optionFor(port), (input.maker ? made() : input.file).string());
+  }
+  for (const auto& [port, file] : task.outputs) add(optionFor(port), (folder / file).string());
+  add("--parameters", (folder / kParametersFile).string());
+  add("--threads", std::to_string(running.threads));
+  add("--stats", (folder / kStatsFile).string());
+  add("--progress", "json");
+  return command;
+}
+
+void Build::take(const Event& event) {
+  if (std::holds_alternative<Interrupted>(event.what)) return interrupt();
+  const TaskIndex task = event.job;
+  if (const auto* progress = std::get_if<ToolProgress>(&event.what))
+    parts_.observer.progressed(task, *progress);
+  if (const auto* warning = std::get_if<ToolWarning>(&event.what))
+    parts_.observer.said(task, "warning: " + withPublicPaths(task, warning->text));
+  if (const auto* text = std::get_if<ToolText>(&event.what))
+    parts_.observer.said(task, withPublicPaths(task, text->line));
+  if (const auto* finished = std::get_if<ToolFinished>(&event.what)) finish(task, *finished);
+}
+
+void Build::finish(TaskIndex task, const ToolFinished& finished) {
+  const auto node = running_.extract(task);
+  const Running& running = node.mapped();
+  free_cores_ += running.threads;
+  try {
+    const bool done = finished.exit_status == 0 && finished.signal == 0;
+    if (done) accept(task, running, finished);
+    if (!done) parts_.cache.dropEntry(running.key);
+    if (!done && result_.interrupted) settleNotRun(task, kInterrupted);
+    if (!done && !result_.interrupted)
+      settleFailed(task, failureOf(task, finished),
+                   finished.signal != 0 ? kSignalBase + finished.signal : finished.exit_status);
+  } catch (const Error& error) {
+    settleFailed(task, error, static_cast<int>(error.status()));
+  }
+  // Those that waited for the same entry find it now, or meet the same failure themselves.
+  const auto waiting = same_key_.extract(running.key);
+  if (!waiting.empty() && !result_.interrupted)
+    ready_.insert(waiting.mapped().begin(), waiting.mapped().end());
+}
+
+void Build::accept(TaskIndex task, const Running& running, const ToolFinished& finished) {
+  Outcome outcome{.status = StageStatus::kRan,
+                  .reason = running.reason,
+                  .published = true,
+                  .ingredients = running.ingredients};
+  try {
+    outcome.entry = parts_.cache.finishEntry(running.key, running.ingredients,
+                                             {.tool = "",
+                                              .wall_s = finished.wall_s,
+                                              .cpu_s = finished.cpu_s,
+                                              .peak_memory_bytes = finished.peak_memory_bytes,
+                                              .warnings = {}});
+  } catch (...) {
+    parts_.cache.dropEntry(running.key);
+    throw;
+  }
+  parts_.out.publish(task, *outcome.entry);
+  settle(task, std::move(outcome));
+}
+
+Error Build::failureOf(TaskIndex task, const ToolFinished& finished) const {
+  const std::string& tool = graph_.tasks[task].tool;
+  if (finished.signal == SIGKILL)
+    return badInput({}, "the tool " + tool + " was killed by SIGKILL", "",
+                    "look whether memory ran out; if not, report this as a bug of the tool");
+  if (finished.signal != 0)
+    return badInput({}, "the tool " + tool + " was killed by " + signalName(finished.signal), "",
+                    "report this as a bug of the tool, with the input and " +
+                        parts_.out.recordOf(graph_.tasks[task].asset).string());
+  if (!finished.error)
+    return badInput({}, "the tool " + tool + " ended with exit status " +
+                            std::to_string(finished.exit_status) + " and said no more");
+  const Error& told = *finished.error;
+  const auto mapped = [&](const std::string& text) { return withPublicPaths(task, text); };
+  return {told.status(),
+          {mapped(told.place().file), told.place().element, told.place().pointer},
+          mapped(told.problem()),
+          mapped(told.expected()),
+          mapped(told.remedy())};
+}
+
+void Build::interrupt() {
+  if (result_.interrupted) return;
+  result_.interrupted = true;
+  ready_.clear();
+  parts_.runner.stopAll();
+}
+
+void Build::settle(TaskIndex task, Outcome outcome) {
+  entries_[task] = outcome.entry;
+  result_.outcomes[task] = std::move(outcome);
+  settled_[task] = true;
+  parts_.observer.settled(task, result_.outcomes[task]);
+  if (entries_[task]) wakeUsers(task);
+  const std::size_t asset = graph_.tasks[task].asset;
+  if (--open_stages_[asset] == 0) writeRecord(asset);
+}
+
+void Build::settleFailed(TaskIndex task, const Error& error, int exit_status) {
+  settle(task, {.status = StageStatus::kFailed,
+                .reason = error.problem(),
+                .error = error,
+                .exit_status = exit_status});
+  for (const TaskIndex user : users_[task]) settleNotRun(user, graph_.tasks[task].stage + " failed");
+}
+
+void Build::settleNotRun(TaskIndex task, const std::string& reason) {
+  if (settled_[task]) return;
+  settle(task, {.status = StageStatus::kNotRun, .reason = reason});
+  for (const TaskIndex user : users_[task]) settleNotRun(user, reason);
+}
+
+void Build::wakeUsers(TaskIndex task) {
+  for (const TaskIndex user : users_[task])
+    if (--open_makers_[user] == 0 && !result_.interrupted && !settled_[user]) ready_.insert(user);
+}
+
+void Build::writeRecord(std::size_t asset) {
+  try {
+    const formats::Json record = recordOf(graph_, asset, result_.outcomes, parts_.out, past_[asset]);
+    const std::string text = record.dump(2, ' ', false, formats::Json::error_handler_t::replace) + "\n";
+    if (text != past_[asset].text()) parts_.disk.write(parts_.out.recordOf(asset), text);
+  } catch (const Error& error) {
+    result_.unwritten_records.push_back(error);
+  }
+}
+
+// A tool speaks of files in the cache; the user knows them by their names in the output folder.
+std::string Build::withPublicPaths(TaskIndex index, std::string text) const {
+  const Task& task = graph_.tasks[index];
+  for (const auto& [port, input] : task.inputs) {
+    if (!input.maker || !entries_[*input.maker]) continue;
+    const CacheEntry& entry = *entries_[*input.maker];
+    replaceAll(text, entry.pathOf(entry.outputs.at(input.port)).string(),
+               parts_.out.pathOf(*input.maker, input.port).string());
+  }
+  return text;
+}
+
+}  // namespace bakelight::pipeline

@@ -1,0 +1,102 @@
+// `bakelight`: from asset folders to packs. The command line is read here; pipeline/commands.h does the rest.
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <string>
+
+#include "formats/error.h"
+#include "pipeline/commands.h"
+#include "pipeline/problems.h"
+
+namespace fs = std::filesystem;
+using namespace bakelight;
+using pipeline::Request;
+
+namespace {
+
+// What is in the source tree wins over what is installed, so that a build folder needs no installation.
+Request defaults() {
+  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
+  const fs::path in_source = BAKELIGHT_RECIPE_DIR;
+  Request request;
+  request.tools = folder;
+  request.data = (folder / "../assets").lexically_normal();
+  request.recipes =
+      fs::exists(in_source) ? in_source : (folder / "../share/bakelight/recipes").lexically_normal();
+  return request;
+}
+
+void addFolders(CLI::App& command, Request& request) {
+  command.add_option("--tools", request.tools, "Folder of the tools")->capture_default_str();
+  command.add_option("--recipes", request.recipes, "Folder of the recipes")->capture_default_str();
+}
+
+void addAssets(CLI::App& command, Request& request) {
+  command.add_option("PATH", request.paths, "Asset folders, mesh files, or folders with several of these")
+      ->required();
+  command.add_option("--out", request.out, "Folder for all outputs and the cache")->capture_default_str();
+  command.add_option("--data", request.data, "Folder that data:... in asset.json refers to")
+      ->capture_default_str();
+  command.add_option("--set", request.settings, "A parameter for all assets, as in transfer.order=5")
+      ->type_name("STAGE.PARAMETER=VALUE")
+      ->allow_extra_args(false);
+  command.add_option("--deliver", request.deliver, "What to make, instead of all that the recipe delivers")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  addFolders(command, request);
+}
+
+int report(const std::function<int()>& command) {
+  const auto tell = [](const Error& error) { std::cerr << "bakelight: " << error.paragraph() << '\n'; };
+  try {
+    return command();
+  } catch (const pipeline::ProblemsFound& found) {
+    for (const Error& error : found.errors()) tell(error);
+    return static_cast<int>(found.errors().front().status());
+  } catch (const Error& error) {
+    tell(error);
+    return static_cast<int>(error.status());
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Bakes how light moves over an object, from an asset folder to one pack", "bakelight");
+  app.set_version_flag("--version", BAKELIGHT_VERSION);
+  app.require_subcommand(1);
+  Request request = defaults();
+
+  CLI::App& run = *app.add_subcommand("run", "Make what the assets deliver");
+  addAssets(run, request);
+  run.add_option("-j,--jobs", request.jobs, "Stages at once; 0: as many as there are cores");
+  run.add_option("--threads", request.cores, "Cores to share among the stages; 0: all");
+  run.add_flag("--dry-run,-n", request.dry_run, "Only tell what would be done");
+  CLI::App& explain = *app.add_subcommand("explain", "Tell why each stage is up to date or not");
+  addAssets(explain, request);
+  CLI::App& graph = *app.add_subcommand("graph", "Print the stages and how they are wired");
+  addAssets(graph, request);
+  graph.add_option("--format", request.format, "dot (Graphviz), text or json")
+      ->check(CLI::IsMember({"dot", "text", "json"}))
+      ->capture_default_str();
+  CLI::App& tools =
+      *app.add_subcommand("tools", "List the tools of all recipes, as they describe themselves");
+  addFolders(tools, request);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    std::cerr << "bakelight: " << error.what() << ". Try: bakelight --help.\n";
+    return static_cast<int>(ExitStatus::kUsage);
+  }
+  return report([&] {
+    if (run.parsed()) return runCommand(request);
+    if (explain.parsed()) return explainCommand(request);
+    if (graph.parsed()) return graphCommand(request);
+    return toolsCommand(request);
+  });
+}

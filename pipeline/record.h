@@ -1,0 +1,58 @@
+// out/<asset>/record.json: what became of each stage, why, and what its outputs in the folder are made from.
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/error.h"
+#include "formats/json.h"
+#include "pipeline/cache.h"
+#include "pipeline/ingredients.h"
+#include "pipeline/output_folder.h"
+
+namespace bakelight::pipeline {
+
+enum class StageStatus { kRan, kCached, kLeftOut, kFailed, kNotRun };
+const char* nameOf(StageStatus status);  // "ran", "cached", "left-out", "failed", "not-run"
+
+// What became of one stage.
+struct Outcome {
+  StageStatus status = StageStatus::kNotRun;
+  std::string reason;
+  bool published = false;                // something in the output folder was made or put right
+  Ingredients ingredients = {};          // if ran or cached
+  std::optional<CacheEntry> entry = {};  // if ran or cached
+  std::optional<Error> error = {};       // if failed
+  int exit_status = 0;                   // of the failed tool, or of the error
+};
+
+// What record.json says of the run before.
+class PastRecord {
+ public:
+  PastRecord() = default;
+  // A file that is missing or damaged counts as empty.
+  PastRecord(const std::filesystem::path& file, const Disk& disk);
+
+  struct Stage {
+    std::string status, reason;
+    std::optional<Ingredients> ingredients;  // of the outputs that lie in the folder; nothing: never made
+  };
+  Stage stage(const std::string& name) const;
+
+  const std::string& text() const { return text_; }
+  const formats::Json& json() const { return json_; }
+
+ private:
+  std::string text_;
+  formats::Json json_ = formats::Json::object();
+};
+
+// The record of one asset. A stage that failed or was not run keeps what `past` says of its outputs, as they
+// still lie there.
+formats::Json recordOf(const Graph& graph, std::size_t asset, const std::vector<Outcome>& outcomes,
+                       const OutputFolder& out, const PastRecord& past);
+
+}  // namespace bakelight::pipeline
