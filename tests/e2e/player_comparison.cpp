@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <Eigen/Geometry>
-#include <numbers>
 #include <stdexcept>
 #include <vector>
 
 #include "formats/image.h"
 #include "formats/pack.h"
+#include "tests/e2e/silhouette.h"
 #include "tools/player/picture_file.h"
 #include "transport/cpu_renderer.h"
 #include "transport/evaluator.h"
@@ -57,76 +56,6 @@ struct CpuFrame {
   std::vector<bool> object;      // pixels whose first subsample hits
 };
 
-// Marks the pixels of subsamples that lie across an edge of visibility from their right or lower neighbour.
-class SilhouetteFinder {
- public:
-  SilhouetteFinder(const formats::TriangleMesh& mesh, const transport::CpuPicture& picture,
-                   const transport::OrbitCamera& camera, int supersampling)
-      : mesh_(mesh),
-        hits_(picture.hits),
-        camera_(camera),
-        supersampling_(supersampling),
-        columns_(picture.linear.width * supersampling),
-        rows_(picture.linear.height * supersampling),
-        footprint_rad_(camera.field_of_view_deg * std::numbers::pi / 180 / rows_) {}
-
-  std::vector<bool> silhouettePixels() const {
-    const int width = columns_ / supersampling_, height = rows_ / supersampling_;
-    std::vector<bool> silhouette(static_cast<std::size_t>(width) * height, false);
-    const auto markAround = [&](int column, int row) {
-      const int x = column / supersampling_, y = row / supersampling_;
-      for (int j = std::max(y - 1, 0); j <= std::min(y + 1, height - 1); ++j)
-        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, width - 1); ++i)
-          silhouette[static_cast<std::size_t>(j) * width + i] = true;
-    };
-    for (int row = 0; row < rows_; ++row)
-      for (int column = 0; column < columns_; ++column) {
-        if (column + 1 < columns_ && edgeBetween(column, row, column + 1, row)) markAround(column, row);
-        if (row + 1 < rows_ && edgeBetween(column, row, column, row + 1)) markAround(column, row);
-      }
-    return silhouette;
-  }
-
- private:
-  const transport::SubsampleHit& hit(int column, int row) const {
-    return hits_[static_cast<std::size_t>(row) * columns_ + column];
-  }
-  Vec3 direction(int column, int row) const {
-    return camera_.directionThrough(column + 0.5, row + 0.5, columns_, rows_);
-  }
-  Vec3 corner(std::uint32_t triangle, std::size_t k) const {
-    return transport::vec3(mesh_.positions[mesh_.triangles[triangle][k]]);
-  }
-  // Unit, towards the viewer.
-  Vec3 facingNormal(std::uint32_t triangle, const Vec3& towards) const {
-    const Vec3 origin = corner(triangle, 0);
-    const Vec3 normal = (corner(triangle, 1) - origin).cross(corner(triangle, 2) - origin).normalized();
-    return normal.dot(towards) > 0 ? -normal : normal;
-  }
-
-  // A surface that goes on stays near its own tangent plane from one subsample to the next; a jump leaves the
-  // plane of one of the two, or both are seen so flatly that the depth leaps.
-  bool edgeBetween(int column_a, int row_a, int column_b, int row_b) const {
-    const auto &a = hit(column_a, row_a), &b = hit(column_b, row_b);
-    if (a.valid() != b.valid()) return true;
-    if (!a.valid() || a.triangle == b.triangle) return false;
-    const Vec3 direction_a = direction(column_a, row_a), direction_b = direction(column_b, row_b);
-    const Vec3 step = b.distance * direction_b - a.distance * direction_a;
-    const double footprint = footprint_rad_ * std::min(a.distance, b.distance);
-    const double off_plane = std::max(std::abs(step.dot(facingNormal(a.triangle, direction_a))),
-                                      std::abs(step.dot(facingNormal(b.triangle, direction_b))));
-    return off_plane > kOffPlaneFootprints * footprint || step.norm() > kStepFootprints * footprint;
-  }
-
-  static constexpr double kOffPlaneFootprints = 1, kStepFootprints = 12;
-
-  const formats::TriangleMesh& mesh_;
-  const std::vector<transport::SubsampleHit>& hits_;
-  const transport::OrbitCamera camera_;
-  const int supersampling_, columns_, rows_;
-  const double footprint_rad_;
-};
-
 transport::Backdrop backdropOf(const player::Environment& environment,
                                const player::FrameSettings& settings) {
   const Eigen::Matrix3d light_from_world = player::worldFromLight(settings).transpose();
@@ -149,20 +78,19 @@ CpuFrame renderFrameOnCpu(const formats::Pack& pack, const player::Environment& 
 
   const auto camera = player::frameCamera(settings, transport::boundingSphere(pack.mesh));
   const transport::RayScene scene(pack.mesh);
-  const auto picture = transport::renderOnCpu(pack.mesh, scene, radiance, camera,
-                                              {settings.width_px, settings.height_px, settings.supersampling},
-                                              backdropOf(environment, settings));
+  const transport::PictureGrid grid{settings.width_px, settings.height_px, settings.supersampling};
+  const auto picture =
+      transport::renderOnCpu(pack.mesh, scene, radiance, camera, grid, backdropOf(environment, settings));
   CpuFrame frame;
   const auto exposure = static_cast<float>(player::exposureFactor(settings, environment.light));
   frame.display = transport::encodeForDisplay(picture.linear, exposure);
-  frame.silhouette = SilhouetteFinder(pack.mesh, picture, camera, settings.supersampling).silhouettePixels();
-  const std::size_t columns = static_cast<std::size_t>(settings.width_px) * settings.supersampling;
-  for (int y = 0; y < settings.height_px; ++y)
-    for (int x = 0; x < settings.width_px; ++x)
-      frame.object.push_back(picture
-                                 .hits[y * settings.supersampling * columns +
-                                       static_cast<std::size_t>(x) * settings.supersampling]
-                                 .valid());
+  frame.silhouette = silhouettePixels(pack.mesh, picture, camera, grid);
+  const std::size_t columns = static_cast<std::size_t>(grid.width_px) * grid.supersampling;
+  for (int y = 0; y < grid.height_px; ++y)
+    for (int x = 0; x < grid.width_px; ++x) {
+      const std::size_t first_subsample = (y * columns + x) * grid.supersampling;
+      frame.object.push_back(picture.hits[first_subsample].valid());
+    }
   return frame;
 }
 

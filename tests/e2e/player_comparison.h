@@ -25,10 +25,8 @@ struct PlayerComparison {
 };
 
 // Runs the `player` executable on the files (an empty environment path: its default light) and renders the
-// same frame by transport::renderOnCpu. Left out are silhouette pixels: those where a subsample of the pixel
-// or of its eight neighbours lies across an edge of visibility from the next one, so that a rounding decides
-// which surface is seen. Writes player.png and cpu.png into `folder`. Throws std::runtime_error if the player
-// fails.
+// same frame by transport::renderOnCpu. Left out are silhouette pixels (silhouette.h). Writes player.png and
+// cpu.png into `folder`. Throws std::runtime_error if the player fails.
 PlayerComparison comparePlayerWithCpu(const std::filesystem::path& player_executable,
                                       const std::filesystem::path& pack_path,
                                       const std::filesystem::path& environment_path,
