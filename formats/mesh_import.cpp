@@ -9,6 +9,8 @@
 #include <limits>
 
 #include "formats/error.h"
+#include "formats/file.h"
+#include "formats/mesh_file_check.h"
 
 namespace bakelight::formats {
 namespace {
@@ -176,12 +178,7 @@ class Merger {
       }
       Triangle triangle;
       for (int corner = 0; corner < 3; ++corner) {
-        const unsigned index = face.mIndices[corner];
-        if (index >= source.mNumVertices) {
-          throw error("face " + std::to_string(i), "vertex " + std::to_string(index) + " does not exist",
-                      "an index below " + std::to_string(source.mNumVertices));
-        }
-        triangle[corner] = static_cast<std::uint32_t>(base + index);
+        triangle[corner] = static_cast<std::uint32_t>(base + face.mIndices[corner]);
       }
       if (mirrored) std::swap(triangle[1], triangle[2]);
       result_.mesh.triangles.push_back(triangle);
@@ -225,21 +222,42 @@ class Merger {
   std::size_t meshes_without_texcoords_ = 0, unusable_texcoords_ = 0;
 };
 
+void checkCorners(const aiScene& scene, const std::string& file) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+      const aiFace& face = mesh.mFaces[i];
+      const auto in_range = [&](unsigned index) { return index < mesh.mNumVertices; };
+      if (face.mNumIndices > 0 && std::all_of(face.mIndices, face.mIndices + face.mNumIndices, in_range))
+        continue;
+      throw badInput({file, "face " + std::to_string(i), ""},
+                     face.mNumIndices == 0 ? "it has no corner" : "it names a vertex that does not exist",
+                     "indices below " + std::to_string(mesh.mNumVertices),
+                     "copy or export the file again, it was probably cut short");
+    }
+  }
+}
+
 }  // namespace
 
 MeshImport importMesh(const std::filesystem::path& path) {
   const std::string file = path.string();
-  if (!std::filesystem::is_regular_file(path)) {
-    throw badInput({file, "", ""}, "there is no such file", "a mesh file");
-  }
+  const auto notes = checkMeshFile(path, readFile(path));
   Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(file, aiProcess_Triangulate);
-  if (scene == nullptr) {
-    throw badInput({file, "", ""},
-                   std::string("it cannot be read as a mesh (") + importer.GetErrorString() + ")",
-                   "a whole OBJ, PLY, STL, OFF, glTF or 3DS file", "export it again");
-  }
-  return Merger(*scene, file).merge();
+  const auto unreadable = [&] {
+    return badInput({file, "", ""},
+                    std::string("it cannot be read as a mesh (") + importer.GetErrorString() + ")",
+                    "a whole OBJ, PLY, STL, OFF, glTF or 3DS file", "export it again");
+  };
+  const aiScene* scene = importer.ReadFile(file, 0);
+  if (scene == nullptr || scene->mRootNode == nullptr) throw unreadable();
+  checkCorners(*scene, file);
+  // Only now, as it fails an assertion on a face without corners.
+  scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+  if (scene == nullptr) throw unreadable();
+  MeshImport result = Merger(*scene, file).merge();
+  result.notes.insert(result.notes.end(), notes.begin(), notes.end());
+  return result;
 }
 
 const std::vector<std::string>& meshFileEndings() {

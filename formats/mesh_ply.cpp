@@ -1,17 +1,16 @@
 #include "formats/mesh_ply.h"
 
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <optional>
 #include <span>
 #include <stdexcept>
-#include <string_view>
 
 #include "formats/error.h"
 #include "formats/file.h"
 #include "formats/hash.h"
+#include "formats/ply_header.h"
 
 namespace bakelight::formats {
 namespace {
@@ -19,49 +18,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "values are copied into the file as they are in memory");
 
-enum class ScalarType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
-
-struct Property {
-  std::string name;
-  std::optional<ScalarType> list_count;  // of a list property
-  ScalarType type;
-};
-
-struct Element {
-  std::string name;
-  std::uint64_t count = 0;
-  std::vector<Property> properties;
-};
-
 constexpr const char* kImportRemedy = "run the simplify tool on it first, which reads any mesh file";
-
-std::size_t sizeOf(ScalarType type) {
-  switch (type) {
-    case ScalarType::kInt8:
-    case ScalarType::kUint8:
-      return 1;
-    case ScalarType::kInt16:
-    case ScalarType::kUint16:
-      return 2;
-    case ScalarType::kFloat64:
-      return 8;
-    default:
-      return 4;
-  }
-}
-
-std::optional<ScalarType> scalarTypeNamed(std::string_view name) {
-  struct Name {
-    std::string_view short_name, long_name;
-  };
-  constexpr Name kNames[] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
-                             {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
-                             {"float", "float32"}, {"double", "float64"}};
-  for (std::size_t i = 0; i < std::size(kNames); ++i) {
-    if (name == kNames[i].short_name || name == kNames[i].long_name) return static_cast<ScalarType>(i);
-  }
-  return std::nullopt;
-}
 
 template <class T>
 T valueAt(const std::byte* data) {
@@ -70,37 +27,19 @@ T valueAt(const std::byte* data) {
   return value;
 }
 
-std::int64_t integerAt(const std::byte* data, ScalarType type) {
-  switch (type) {
-    case ScalarType::kInt8:
-      return valueAt<std::int8_t>(data);
-    case ScalarType::kUint8:
-      return valueAt<std::uint8_t>(data);
-    case ScalarType::kInt16:
-      return valueAt<std::int16_t>(data);
-    case ScalarType::kUint16:
-      return valueAt<std::uint16_t>(data);
-    case ScalarType::kInt32:
-      return valueAt<std::int32_t>(data);
-    case ScalarType::kUint32:
-      return valueAt<std::uint32_t>(data);
-    default:
-      throw std::logic_error("not an integer type");
-  }
-}
-
-bool isInteger(ScalarType type) {
-  return type < ScalarType::kFloat32;
-}
-
 class PlyReader {
  public:
   PlyReader(std::span<const std::byte> bytes, std::string file) : bytes_(bytes), file_(std::move(file)) {}
 
   TriangleMesh read() {
-    readHeader();
+    const PlyHeader header = readPlyHeader(bytes_, file_);
+    if (header.format != "binary_little_endian" || header.version != "1.0") {
+      throw error("header", "the format is " + header.format + " " + header.version,
+                  "binary_little_endian 1.0 between stages", kImportRemedy);
+    }
+    position_ = header.size_bytes;
     TriangleMesh mesh;
-    for (const Element& element : elements_) {
+    for (const PlyElement& element : header.elements) {
       if (element.name == "vertex") {
         readVertices(element, mesh);
       } else if (element.name == "face") {
@@ -123,102 +62,7 @@ class PlyReader {
     return badInput({file_, element, ""}, what, expected, remedy);
   }
 
-  // ---- header
-
-  std::string_view headerLine() {
-    const auto* text = reinterpret_cast<const char*>(bytes_.data());
-    const std::string_view rest(text + position_, bytes_.size() - position_);
-    const std::size_t end = rest.find('\n');
-    if (end == std::string_view::npos) {
-      throw error("header", "the file ends inside the header", "a line end_header", "make the file again");
-    }
-    position_ += end + 1;
-    std::string_view line = rest.substr(0, end);
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    return line;
-  }
-
-  static std::vector<std::string_view> words(std::string_view line) {
-    std::vector<std::string_view> result;
-    while (true) {
-      const std::size_t begin = line.find_first_not_of(" \t");
-      if (begin == std::string_view::npos) return result;
-      const std::size_t end = std::min(line.find_first_of(" \t", begin), line.size());
-      result.push_back(line.substr(begin, end - begin));
-      line.remove_prefix(end);
-    }
-  }
-
-  void readHeader() {
-    constexpr std::string_view kMagic = "ply";
-    if (bytes_.size() < 4 || std::memcmp(bytes_.data(), kMagic.data(), kMagic.size()) != 0 ||
-        headerLine() != kMagic) {
-      throw error("", "this is not a PLY file", "a first line that says ply", kImportRemedy);
-    }
-    bool has_format = false;
-    while (true) {
-      const std::string_view line = headerLine();
-      const auto word = words(line);
-      if (word.empty() || word[0] == "comment" || word[0] == "obj_info") continue;
-      if (word[0] == "end_header") break;
-      if (word[0] == "format") {
-        readFormat(line, word);
-        has_format = true;
-      } else if (word[0] == "element") {
-        readElement(line, word);
-      } else if (word[0] == "property") {
-        readProperty(line, word);
-      } else {
-        throw malformed(line);
-      }
-    }
-    if (!has_format) throw error("header", "there is no format line", "format binary_little_endian 1.0");
-  }
-
-  Error malformed(std::string_view line) const {
-    return error("header", "the line '" + std::string(line.substr(0, 80)) + "' is malformed",
-                 "format, element, property, comment or end_header");
-  }
-
-  void readFormat(std::string_view line, std::span<const std::string_view> word) const {
-    if (word.size() != 3) throw malformed(line);
-    if (word[1] != "binary_little_endian" || word[2] != "1.0") {
-      throw error("header", "the format is " + std::string(word[1]) + " " + std::string(word[2]),
-                  "binary_little_endian 1.0 between stages", kImportRemedy);
-    }
-  }
-
-  void readElement(std::string_view line, std::span<const std::string_view> word) {
-    Element element;
-    if (word.size() != 3) throw malformed(line);
-    element.name = word[1];
-    const char* end = word[2].data() + word[2].size();
-    const auto [rest, status] = std::from_chars(word[2].data(), end, element.count);
-    if (status != std::errc() || rest != end) throw malformed(line);
-    for (const Element& other : elements_) {
-      if (other.name == element.name)
-        throw error("header", "the element " + element.name + " stands twice", "once");
-    }
-    elements_.push_back(std::move(element));
-  }
-
-  void readProperty(std::string_view line, std::span<const std::string_view> word) {
-    if (elements_.empty()) throw malformed(line);
-    const bool is_list = word.size() == 5 && word[1] == "list";
-    if (!is_list && word.size() != 3) throw malformed(line);
-    const auto type = scalarTypeNamed(word[is_list ? 3 : 1]);
-    if (!type) throw malformed(line);
-    Property property{std::string(word.back()), std::nullopt, *type};
-    if (is_list) {
-      property.list_count = scalarTypeNamed(word[2]);
-      if (!property.list_count || !isInteger(*property.list_count)) throw malformed(line);
-    }
-    elements_.back().properties.push_back(std::move(property));
-  }
-
-  // ---- body
-
-  const std::byte* take(std::uint64_t size, const Element& element, std::uint64_t row) {
+  const std::byte* take(std::uint64_t size, const PlyElement& element, std::uint64_t row) {
     if (size > bytes_.size() - position_) {
       throw error(element.name + " " + std::to_string(row), "the file ends here",
                   std::to_string(element.count) + " rows of " + element.name,
@@ -234,9 +78,9 @@ class PlyReader {
     const std::byte* data;
   };
 
-  List takeList(const Property& property, const Element& element, std::uint64_t row) {
+  List takeList(const PlyProperty& property, const PlyElement& element, std::uint64_t row) {
     const std::int64_t count =
-        integerAt(take(sizeOf(*property.list_count), element, row), *property.list_count);
+        plyIntegerAt(take(sizeOf(*property.list_count), element, row), *property.list_count);
     if (count < 0) {
       throw error(element.name + " " + std::to_string(row),
                   "a list has " + std::to_string(count) + " members", "0 or more");
@@ -246,8 +90,8 @@ class PlyReader {
             take(static_cast<std::uint64_t>(count) * sizeOf(property.type), element, row)};
   }
 
-  void skipRow(const Element& element, std::uint64_t row) {
-    for (const Property& property : element.properties) {
+  void skipRow(const PlyElement& element, std::uint64_t row) {
+    for (const PlyProperty& property : element.properties) {
       if (property.list_count) {
         takeList(property, element, row);
       } else {
@@ -257,11 +101,11 @@ class PlyReader {
   }
 
   // Byte offset in a vertex row of a float32 property, if there is one.
-  std::optional<std::size_t> floatOffset(const Element& element, const std::string& name) const {
+  std::optional<std::size_t> floatOffset(const PlyElement& element, const std::string& name) const {
     std::size_t offset = 0;
-    for (const Property& property : element.properties) {
+    for (const PlyProperty& property : element.properties) {
       if (property.name == name) {
-        if (property.type == ScalarType::kFloat32) return offset;
+        if (property.type == PlyScalar::kFloat32) return offset;
         throw error("header", "the vertex property " + name + " is not float",
                     "float (32 bits) between stages", kImportRemedy);
       }
@@ -272,7 +116,7 @@ class PlyReader {
 
   // Byte offsets of a group of properties, or nothing if none of it is there.
   template <std::size_t N>
-  std::optional<std::array<std::size_t, N>> floatOffsets(const Element& element,
+  std::optional<std::array<std::size_t, N>> floatOffsets(const PlyElement& element,
                                                          const std::array<const char*, N>& names) const {
     std::array<std::size_t, N> offsets{};
     std::size_t present = 0;
@@ -301,9 +145,9 @@ class PlyReader {
     return values;
   }
 
-  void readVertices(const Element& element, TriangleMesh& mesh) {
+  void readVertices(const PlyElement& element, TriangleMesh& mesh) {
     std::size_t row_size = 0;
-    for (const Property& property : element.properties) {
+    for (const PlyProperty& property : element.properties) {
       if (property.list_count) {
         throw error("header", "the vertex property " + property.name + " is a list", "numbers",
                     kImportRemedy);
@@ -331,14 +175,14 @@ class PlyReader {
     }
   }
 
-  void readFaces(const Element& element, TriangleMesh& mesh) {
+  void readFaces(const PlyElement& element, TriangleMesh& mesh) {
     bool has_indices = false;
-    for (const Property& property : element.properties) has_indices |= isIndexList(property);
+    for (const PlyProperty& property : element.properties) has_indices |= isIndexList(property);
     if (!has_indices)
       throw error("header", "faces have no vertices", "property list uchar uint vertex_indices");
     mesh.triangles.reserve(std::min<std::uint64_t>(element.count, bytes_.size() - position_));
     for (std::uint64_t row = 0; row < element.count; ++row) {
-      for (const Property& property : element.properties) {
+      for (const PlyProperty& property : element.properties) {
         if (isIndexList(property)) {
           mesh.triangles.push_back(triangleFrom(takeList(property, element, row), property, row));
         } else if (property.list_count) {
@@ -350,19 +194,19 @@ class PlyReader {
     }
   }
 
-  static bool isIndexList(const Property& property) {
+  static bool isIndexList(const PlyProperty& property) {
     return property.list_count && isInteger(property.type) &&
            (property.name == "vertex_indices" || property.name == "vertex_index");
   }
 
-  Triangle triangleFrom(const List& list, const Property& property, std::uint64_t row) const {
+  Triangle triangleFrom(const List& list, const PlyProperty& property, std::uint64_t row) const {
     if (list.count != 3) {
       throw error("face " + std::to_string(row), "it has " + std::to_string(list.count) + " corners",
                   "triangles between stages", kImportRemedy);
     }
     Triangle triangle;
     for (std::size_t corner = 0; corner < 3; ++corner) {
-      const std::int64_t index = integerAt(list.data + corner * sizeOf(property.type), property.type);
+      const std::int64_t index = plyIntegerAt(list.data + corner * sizeOf(property.type), property.type);
       if (index < 0) throw indexError(row, index);
       triangle[corner] = static_cast<std::uint32_t>(index);
     }
@@ -385,7 +229,6 @@ class PlyReader {
   std::span<const std::byte> bytes_;
   std::string file_;
   std::size_t position_ = 0;
-  std::vector<Element> elements_;
 };
 
 // Copies `value` to `target` and returns where the next one goes.

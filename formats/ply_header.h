@@ -1,0 +1,46 @@
+// The header of a PLY file, and how long its body has to be. Private to formats/mesh_ply.cpp and
+// formats/mesh_import.cpp.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace bakelight::formats {
+
+enum class PlyScalar { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+
+std::size_t sizeOf(PlyScalar type);  // bytes
+bool isInteger(PlyScalar type);
+// Little-endian; integer types only.
+std::int64_t plyIntegerAt(const std::byte* data, PlyScalar type);
+
+struct PlyProperty {
+  std::string name;
+  std::optional<PlyScalar> list_count;  // of a list property
+  PlyScalar type;
+};
+
+struct PlyElement {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<PlyProperty> properties;
+};
+
+struct PlyHeader {
+  std::string format, version;  // "ascii", "binary_little_endian", "binary_big_endian"; "1.0"
+  std::vector<PlyElement> elements;
+  std::size_t size_bytes = 0;  // where the body begins
+};
+
+// Throws Error(kBadInput) naming `file` and the malformed line.
+PlyHeader readPlyHeader(std::span<const std::byte> bytes, const std::string& file);
+
+// Throws Error(kBadInput) naming `file` and the element where the body ends too early. Any of the three
+// formats. Cost: a pass over the lists.
+void checkPlyBody(const PlyHeader& header, std::span<const std::byte> bytes, const std::string& file);
+
+}  // namespace bakelight::formats
