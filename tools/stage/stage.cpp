@@ -54,6 +54,13 @@ std::string optionName(const std::string& name) {
   return option;
 }
 
+// The first required input may also be given without its option: `inspect FILE`.
+bool takesPlainArgument(const std::vector<Port>& inputs, const Port& port) {
+  const auto first = std::find_if(inputs.begin(), inputs.end(),
+                                  [](const Port& input) { return input.description.required; });
+  return first != inputs.end() && &*first == &port;
+}
+
 // What stands behind an option in --help: "INTEGER from 1 to 10 [5]".
 std::string helpText(const ParameterDescription& parameter) {
   std::string text = parameter.help + " (" + formats::expectation(parameter);
@@ -259,7 +266,6 @@ formats::ToolDescription Tool::description() const {
   formats::ToolDescription description;
   description.tool = implementation_->name;
   description.summary = implementation_->summary;
-  description.execution_path = implementation_->execution_path();
   for (const auto& port : implementation_->inputs) description.inputs.push_back(port.description);
   for (const auto& port : implementation_->outputs) description.outputs.push_back(port.description);
   for (const auto& parameter : implementation_->parameters)
@@ -267,93 +273,168 @@ formats::ToolDescription Tool::description() const {
   return description;
 }
 
-int Tool::run(int argc, char** argv, const std::function<void(Run&)>& body) {
-  const auto start = std::chrono::steady_clock::now();
-  CommonOptions common;
+namespace {
 
-  // Command line: what to declare
-  CLI::App app(implementation_->summary, implementation_->name);
-  app.set_version_flag("--version", implementation_->name + " (Bakelight) " BAKELIGHT_VERSION);
-  app.get_formatter()->column_width(32);
-  for (auto* ports : {&implementation_->inputs, &implementation_->outputs})
-    for (auto& port : *ports)
-      app.add_option_function<std::string>(
-             optionName(port.description.name), [&port](const std::string& path) { *port.path = path; },
-             port.description.help + " (" + port.description.kind +
-                 (port.description.required ? ")" : ", optional)"))
-          ->type_name("PATH")
-          ->group(ports == &implementation_->inputs ? "Inputs" : "Outputs");
-  std::vector<std::vector<std::string>> words(implementation_->parameters.size());
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const auto& description = implementation_->parameters[i].description;
-    auto* option =
-        app.add_option(optionName(description.name), words[i], helpText(description))->group("Parameters");
-    option->type_name("")->expected(description.type == ParameterType::kRealList ? description.length : 1);
-    // --flag alone means true.
-    if (description.type == ParameterType::kBoolean) option->expected(0, 1)->default_str("true");
-  }
-  app.add_option("--parameters", common.parameters_file,
-                 "JSON object with parameters; options given here win over it")
-      ->type_name("FILE")
-      ->group("Common");
-  app.add_option("--threads", common.threads, "Worker threads, 0 = all cores; outputs never depend on it")
-      ->check(CLI::Range(0, 4096))
-      ->group("Common");
-  app.add_option("--stats", common.stats_file, "Write timings, counts and warnings there (stats.json)")
-      ->type_name("FILE")
-      ->group("Common");
-  app.add_option("--progress", common.progress, "auto, bar, lines, json or none")
-      ->check(CLI::IsMember({"auto", "bar", "lines", "json", "none"}))
-      ->group("Common");
-  app.add_flag("--describe", common.describe, "Print inputs, outputs and parameters as JSON")
-      ->group("Common");
-
-  // Command line: what was said
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& help_or_version) {
-    return app.exit(help_or_version);
-  } catch (const CLI::ParseError& error) {
-    return report(
-        implementation_->name,
-        Error(ExitStatus::kUsage, {}, error.what(), "", implementation_->name + " --help for what there is"),
-        reportsAsJson(common));
-  }
-  if (common.describe) {
-    std::cout << formats::toJson(description()).dump(2) << "\n";
-    return 0;
+// The command line of one run: declared from the tool's own declaration, then read in three steps, so that a
+// wrong word is reported before any file is opened.
+class CommandLine {
+ public:
+  CommandLine(const std::string& name, const std::string& summary, std::vector<Port>& inputs,
+              std::vector<Port>& outputs, std::vector<Parameter>& parameters)
+      : name_(name),
+        inputs_(inputs),
+        outputs_(outputs),
+        parameters_(parameters),
+        words_(parameters.size()),
+        app_(summary, name) {
+    app_.set_version_flag("--version", name + " (Bakelight) " BAKELIGHT_VERSION);
+    app_.get_formatter()->column_width(32);
+    for (Port& port : inputs_) declarePort(port, "Inputs");
+    for (Port& port : outputs_) declarePort(port, "Outputs");
+    for (std::size_t i = 0; i < parameters_.size(); ++i)
+      declareParameter(parameters_[i].description, words_[i]);
+    declareCommonOptions();
   }
 
-  spdlog::set_default_logger(spdlog::stderr_color_mt(implementation_->name));
-  spdlog::set_pattern("%n: %^%l%$: %v");
-  stopAtSignals();
-  try {
-    if (!common.parameters_file.empty()) {
-      const Json values = formats::readJson(common.parameters_file);
-      const Json checked = formats::checkParameters(description(), values, {common.parameters_file, "", ""});
-      for (const auto& parameter : implementation_->parameters)
+  // Throws CLI::ParseError, which also stands for --help and --version.
+  void parse(int argc, char** argv) { app_.parse(argc, argv); }
+  int exit(const CLI::ParseError& outcome) const { return app_.exit(outcome); }
+  const CommonOptions& common() const { return common_; }
+
+  // Parameter file first, then the command line, which wins.
+  void assignParameters(const formats::ToolDescription& description) const {
+    if (!common_.parameters_file.empty()) {
+      const Json values = formats::readJson(common_.parameters_file);
+      const Json checked = formats::checkParameters(description, values, {common_.parameters_file, "", ""});
+      for (const Parameter& parameter : parameters_)
         if (checked.contains(parameter.description.name))
           parameter.assign(checked[parameter.description.name]);
     }
-    for (std::size_t i = 0; i < words.size(); ++i) {
-      const auto& parameter = implementation_->parameters[i];
-      const auto* option = app.get_option(optionName(parameter.description.name));
-      if (option->count() == 0) continue;
-      if (words[i].empty()) words[i] = {"true"};
-      const ErrorPlace place{"", optionName(parameter.description.name), ""};
-      try {
-        parameter.assign(formats::checkParameter(parameter.description,
-                                                 jsonFromWords(parameter.description, words[i]), place));
-      } catch (const Error& error) {
-        throw Error(ExitStatus::kUsage, place, error.problem(), error.expected(), error.remedy());
-      }
-    }
-    for (const auto* ports : {&implementation_->inputs, &implementation_->outputs})
-      for (const auto& port : *ports)
+    for (std::size_t i = 0; i < words_.size(); ++i)
+      if (app_.get_option(optionName(parameters_[i].description.name))->count() > 0)
+        assignFromWords(parameters_[i], words_[i]);
+  }
+
+  void requirePorts() const {
+    for (const auto* ports : {&inputs_, &outputs_})
+      for (const Port& port : *ports)
         if (port.description.required && port.path->empty())
           throw Error(ExitStatus::kUsage, {}, optionName(port.description.name) + " is missing",
                       port.description.help + " (" + port.description.kind + ")",
-                      implementation_->name + " --help for an overview");
+                      name_ + " --help for an overview");
+  }
+
+ private:
+  void declarePort(Port& port, const std::string& group) {
+    std::string names = optionName(port.description.name);
+    if (takesPlainArgument(inputs_, port)) names += "," + port.description.name;
+    const std::string kind = port.description.kind + (port.description.required ? "" : ", optional");
+    app_.add_option_function<std::string>(
+            names, [&port](const std::string& path) { *port.path = path; },
+            port.description.help + " (" + kind + ")")
+        ->type_name("PATH")
+        ->group(group);
+  }
+
+  void declareParameter(const ParameterDescription& description, std::vector<std::string>& words) {
+    auto* option = app_.add_option(optionName(description.name), words, helpText(description));
+    option->type_name("")
+        ->expected(description.type == ParameterType::kRealList ? description.length : 1)
+        ->group("Parameters");
+    // --flag alone means true.
+    if (description.type == ParameterType::kBoolean) option->expected(0, 1)->default_str("true");
+  }
+
+  void declareCommonOptions() {
+    const auto file = [&](const char* name, std::string& path, const char* help) {
+      app_.add_option(name, path, help)->type_name("FILE")->group("Common");
+    };
+    file("--parameters", common_.parameters_file,
+         "JSON object with parameters; options given here win over it");
+    file("--stats", common_.stats_file, "Write timings, counts and warnings there (stats.json)");
+    app_.add_option("--threads", common_.threads, "Worker threads, 0 = all cores; outputs never depend on it")
+        ->check(CLI::Range(0, 4096))
+        ->group("Common");
+    app_.add_option("--progress", common_.progress, "auto, bar, lines, json or none")
+        ->check(CLI::IsMember({"auto", "bar", "lines", "json", "none"}))
+        ->group("Common");
+    app_.add_flag("--describe", common_.describe, "Print inputs, outputs and parameters as JSON")
+        ->group("Common");
+  }
+
+  static void assignFromWords(const Parameter& parameter, std::vector<std::string> words) {
+    if (words.empty()) words = {"true"};
+    const ErrorPlace place{"", optionName(parameter.description.name), ""};
+    try {
+      const Json value = jsonFromWords(parameter.description, words);
+      parameter.assign(formats::checkParameter(parameter.description, value, place));
+    } catch (const Error& error) {
+      throw Error(ExitStatus::kUsage, place, error.problem(), error.expected(), error.remedy());
+    }
+  }
+
+  const std::string& name_;
+  std::vector<Port>& inputs_;
+  std::vector<Port>& outputs_;
+  std::vector<Parameter>& parameters_;
+  std::vector<std::vector<std::string>> words_;  // of each parameter, as typed
+  CommonOptions common_;
+  CLI::App app_;
+};
+
+// The one place where errors end: as a paragraph (or a JSON line for the driver) and an exit status.
+int runGuarded(const std::string& tool, bool as_json, const std::function<void()>& work) {
+  try {
+    work();
+    return static_cast<int>(ExitStatus::kDone);
+  } catch (const Error& error) {
+    return report(tool, error, as_json);
+  } catch (const std::bad_alloc&) {
+    return report(tool,
+                  Error(ExitStatus::kNotAvailable, {}, "this machine's memory is not enough", "",
+                        "a smaller mesh, a lower order, or a machine with more memory"),
+                  as_json);
+  } catch (const std::exception& error) {
+    return report(tool,
+                  Error(ExitStatus::kNotAvailable, {}, std::string("internal error: ") + error.what(), "",
+                        "report it with the command line and the inputs"),
+                  as_json);
+  }
+}
+
+void logToStandardError(const std::string& tool) {
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>(tool, std::make_shared<spdlog::sinks::stderr_color_sink_mt>()));
+  spdlog::set_pattern("%n: %^%l%$: %v");
+}
+
+}  // namespace
+
+int Tool::run(int argc, char** argv, const std::function<void(Run&)>& body) {
+  const auto start = std::chrono::steady_clock::now();
+  Implementation& tool = *implementation_;
+  CommandLine command_line(tool.name, tool.summary, tool.inputs, tool.outputs, tool.parameters);
+  const CommonOptions& common = command_line.common();
+  try {
+    command_line.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    return command_line.exit(help_or_version);
+  } catch (const CLI::ParseError& error) {
+    const Error usage(ExitStatus::kUsage, {}, error.what(), "", tool.name + " --help for what there is");
+    return report(tool.name, usage, reportsAsJson(common));
+  }
+
+  logToStandardError(tool.name);
+  stopAtSignals();
+  return runGuarded(tool.name, reportsAsJson(common), [&] {
+    if (common.describe) {
+      formats::ToolDescription described = description();
+      described.execution_path = tool.execution_path();
+      std::cout << formats::toJson(described).dump(2) << "\n";
+      return;
+    }
+    command_line.assignParameters(description());
+    command_line.requirePorts();
 
     const int threads = common.threads > 0 ? common.threads : tbb::info::default_concurrency();
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
@@ -361,22 +442,8 @@ int Tool::run(int argc, char** argv, const std::function<void(Run&)>& body) {
     Run run(threads, progressStyle(common.progress));
     body(run);
     if (!common.stats_file.empty())
-      formats::writeJson(common.stats_file,
-                         formats::toJson(measuredRecord(implementation_->name, run, start)));
-    return static_cast<int>(ExitStatus::kDone);
-  } catch (const Error& error) {
-    return report(implementation_->name, error, reportsAsJson(common));
-  } catch (const std::bad_alloc&) {
-    return report(implementation_->name,
-                  Error(ExitStatus::kNotAvailable, {}, "this machine's memory is not enough", "",
-                        "a smaller mesh, a lower order, or a machine with more memory"),
-                  reportsAsJson(common));
-  } catch (const std::exception& error) {
-    return report(implementation_->name,
-                  Error(ExitStatus::kNotAvailable, {}, std::string("internal error: ") + error.what(), "",
-                        "report it with the command line and the inputs; nothing was written"),
-                  reportsAsJson(common));
-  }
+      formats::writeJson(common.stats_file, formats::toJson(measuredRecord(tool.name, run, start)));
+  });
 }
 
 }  // namespace bakelight::stage

@@ -10,6 +10,7 @@
 //   --progress STYLE    auto, bar, lines, json, none
 //   --describe          print the formats::ToolDescription as JSON and exit
 //   --help, --version
+// The path of the first required input may also stand alone, without its option: `inspect FILE`.
 #pragma once
 
 #include <filesystem>
@@ -79,6 +80,7 @@ class Tool {
   // See ToolDescription::execution_path. Evaluated for --describe only.
   Tool& executionPath(std::function<std::string()> describe);
 
+  // Without the execution path.
   formats::ToolDescription description() const;
 
   // Parses, runs `body`, writes the stats, reports errors. The process's exit status.
