@@ -256,6 +256,8 @@ MeshImport importMesh(const std::filesystem::path& path) {
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr) throw unreadable();
   MeshImport result = Merger(*scene, file).merge();
+  // assimp's 3DS reader does so by the root node's transform: (x, y, z) becomes (x, z, −y).
+  if (path.extension() == ".3ds") result.notes.push_back("3DS files have +Z up: turned to +Y up");
   result.notes.insert(result.notes.end(), notes.begin(), notes.end());
   return result;
 }

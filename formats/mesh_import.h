@@ -2,8 +2,8 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
 #include <string>
+#include <vector>
 
 #include "formats/triangle_mesh.h"
 
@@ -15,13 +15,18 @@ struct MeshImport {
   std::vector<std::string> notes;
 };
 
-// All meshes of the file in one, each node's transform applied, polygons triangulated, points and lines left out.
-// Vertices are not welded and nothing is repaired: that is the simplify stage's work, which counts it.
-// Throws Error(kBadInput) naming file and element: unreadable, truncated, no triangle, an index out of range, a
-// coordinate that is not finite (with its vertex).
+// +Y up: 3DS files, which have +Z up by convention, are turned. OBJ, PLY, STL and OFF do not say and are left
+// as they are. Coordinates are what assimp makes of the file's text, up to 1 float ulp from the nearest
+// float.
+//
+// All meshes of the file in one, each node's transform applied, polygons triangulated, points and lines left
+// out. Vertices are not welded and nothing is repaired: that is the simplify stage's work, which counts it.
+// Throws Error(kBadInput) naming file and element: unreadable, truncated, no triangle, an index out of range,
+// a coordinate that is not finite (with its vertex).
 MeshImport importMesh(const std::filesystem::path& path);
 
-// The endings (lowercase, with the dot) that importMesh takes for a mesh file; used to find assets in folders.
+// The endings (lowercase, with the dot) that importMesh takes for a mesh file; used to find assets in
+// folders.
 const std::vector<std::string>& meshFileEndings();
 
 }  // namespace bakelight::formats
