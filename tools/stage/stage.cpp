@@ -9,6 +9,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <chrono>
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -206,6 +208,16 @@ ParameterDescription describe(const std::string& name, ParameterType type, Json 
   return description;
 }
 
+// The double with the shortest decimal text that means the same float: 0.8f is shown as 0.8, not as
+// 0.800000011920929.
+double shortestDouble(float value) {
+  std::array<char, 32> text{};
+  const auto written = std::to_chars(text.data(), text.data() + text.size(), value);
+  double result = 0;
+  std::from_chars(text.data(), written.ptr, result);
+  return result;
+}
+
 ParameterDescription withRange(ParameterDescription description, Tool::Range range) {
   description.minimum = range.minimum;
   description.maximum = range.maximum;
@@ -237,8 +249,7 @@ Tool& Tool::parameter(const std::string& name, double& value, Range range, const
 Tool& Tool::parameter(const std::string& name, formats::Float3& value, Range range, const std::string& unit,
                       const std::string& help) {
   Json default_value = Json::array();
-  // Through the decimal text, so that 0.8f shows as 0.8 and not as 0.800000011920929.
-  for (const float element : value) default_value.push_back(Json::parse(Json(element).dump()));
+  for (const float element : value) default_value.push_back(shortestDouble(element));
   ParameterDescription description =
       withRange(describe(name, ParameterType::kRealList, default_value, unit, help), range);
   description.length = 3;
