@@ -277,7 +277,11 @@ void GlbReader::checkPadding() const {
 }
 
 bool GlbReader::has(const std::string& pointer) const {
-  return json_.contains(Json::json_pointer(pointer));
+  try {
+    return json_.contains(Json::json_pointer(pointer));
+  } catch (const Json::exception&) {  // an index that is too large for any list
+    return false;
+  }
 }
 
 const Json& GlbReader::at(const std::string& pointer) const {

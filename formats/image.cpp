@@ -83,7 +83,7 @@ Error unreadable(const std::string& file, const std::string& reason) {
                   "copy or make it again");
 }
 
-Image readWith(OIIO::ImageInput& input, const std::string& file) {
+Image readWith(OIIO::ImageInput& input, const std::string& file, NonFinite non_finite) {
   const OIIO::ImageSpec& spec = input.spec();
   if (spec.depth > 1 || spec.deep) throw badInput({file, "", ""}, "it is deep or a volume", "a flat image");
   if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
@@ -96,7 +96,7 @@ Image readWith(OIIO::ImageInput& input, const std::string& file) {
   if (!input.read_image(0, 0, 0, -1, OIIO::TypeDesc::FLOAT, image.values.data())) {
     throw unreadable(file, input.geterror());
   }
-  checkFinite(image, file);
+  if (non_finite == NonFinite::kReject) checkFinite(image, file);
   return image;
 }
 
@@ -107,7 +107,7 @@ int Image::channelIndex(const std::string& name) const {
   return found == channel_names.end() ? -1 : static_cast<int>(found - channel_names.begin());
 }
 
-Image readImage(const std::filesystem::path& path) {
+Image readImage(const std::filesystem::path& path, NonFinite non_finite) {
   const std::string file = path.string();
   if (!std::filesystem::is_regular_file(path))
     throw badInput({file, "", ""}, "there is no such file", "an image");
@@ -117,7 +117,7 @@ Image readImage(const std::filesystem::path& path) {
   try {
     const auto input = OIIO::ImageInput::open(file, &hints);
     if (!input) throw unreadable(file, OIIO::geterror());
-    return readWith(*input, file);
+    return readWith(*input, file, non_finite);
   } catch (const std::bad_alloc&) {
     throw badInput({file, "", ""}, "the image does not fit into memory", "a smaller image");
   }
@@ -131,6 +131,8 @@ void writeExr(const std::filesystem::path& path, const Image& image, ExrPrecisio
   const OIIO::TypeDesc type = precision == ExrPrecision::kHalf ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT;
   OIIO::ImageSpec spec = specOf(image, type);
   spec["compression"] = "zip";
+  // OpenImageIO adds the date of today unless there is one already; a number it does not write at all.
+  spec["DateTime"] = 0;
   for (const auto& [key, value] : metadata) spec.attribute(key, value);
   writeThroughMemory(path, "exr", spec, OIIO::TypeDesc::FLOAT, image.values);
 }

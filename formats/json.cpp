@@ -47,6 +47,8 @@ Json parseJson(std::string_view text, const std::string& file) {
       throw badInput({file, "", ""}, "the key \"" + finder.duplicate() + "\" stands twice in one object",
                      "each key once", "remove one of the two");
     return value;
+  } catch (const Json::out_of_range&) {  // which does not say where
+    throw badInput({file, "", ""}, "it has a number that no double can hold", "magnitudes below 1.8e308");
   } catch (const Json::parse_error& error) {
     std::string what = error.what();
     const std::size_t detail = what.find(": ");

@@ -1,0 +1,175 @@
+#include "formats/mesh_import.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "formats/error.h"
+#include "formats/file.h"
+#include "formats/mesh_ply.h"
+#include "tests/unit/formats/test_meshes.h"
+
+namespace bakelight::formats {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class MeshImportTest : public testing::Test {
+ protected:
+  MeshImport import(const std::string& name, const std::string& text) const {
+    writeQuickly(folder_ / name, text);
+    return importMesh(folder_ / name);
+  }
+
+  std::string errorOf(const std::string& name, const std::string& text) const {
+    try {
+      import(name, text);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.status(), ExitStatus::kBadInput);
+      return error.what();
+    }
+    return "no error";
+  }
+
+  ScratchFolder folder_;
+};
+
+const std::string kTriangleObj = "v 0 0 0\nv 1 0 0\nv 0 0.5 0\nf 1 2 3\n";
+
+TEST_F(MeshImportTest, ObjPolygonsAreTriangulatedInOrder) {
+  const MeshImport read = import("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf -4 -2 -1\n");
+  ASSERT_EQ(read.mesh.triangleCount(), 3U);
+  EXPECT_EQ(read.mesh.positions[read.mesh.triangles[0][1]], (Float3{1, 0, 0}));
+}
+
+TEST_F(MeshImportTest, CutObjNamesTheLine) {
+  EXPECT_THAT(errorOf("a.obj", "v 0 0 0\nv 1 0\n"), AllOf(HasSubstr("line 2"), HasSubstr("2 numbers")));
+  EXPECT_THAT(errorOf("a.obj", kTriangleObj + "v 0 0 -"), HasSubstr("line 5"));
+  EXPECT_THAT(errorOf("a.obj", kTriangleObj + "f 1 2"), AllOf(HasSubstr("line 5"), HasSubstr("2 corners")));
+  EXPECT_THAT(errorOf("a.obj", kTriangleObj + "f 1 2 4\n"),
+              AllOf(HasSubstr("line 5"), HasSubstr("vertex 4")));
+  EXPECT_THAT(errorOf("a.obj", kTriangleObj + "f 1/1 2/1 3/1\n"), HasSubstr("texture coordinate 1"));
+  EXPECT_THAT(errorOf("a.obj", kTriangleObj + "f 1 2 -4\n"), HasSubstr("line 5"));
+  EXPECT_THAT(errorOf("a.obj", kTriangleObj + "f 0 1 2\n"), HasSubstr("line 5"));
+  EXPECT_THAT(errorOf("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"), HasSubstr("no triangle"));
+}
+
+TEST_F(MeshImportTest, ObjCutAtAnyByteIsAnErrorOrNoted) {
+  std::string text;
+  const TriangleMesh grid = wavyGrid(3);
+  for (const Float3& p : grid.positions) {
+    text += "v " + std::to_string(p[0]) + " " + std::to_string(p[1]) + " " + std::to_string(p[2]) + "\n";
+  }
+  for (const Triangle& t : grid.triangles) {
+    text += "f " + std::to_string(t[0] + 1) + " " + std::to_string(t[1] + 1) + " " +
+            std::to_string(t[2] + 1) + "\n";
+  }
+  ASSERT_TRUE(import("a.obj", text).notes.empty());
+  int errors = 0;
+  for (std::size_t size = 0; size + 1 < text.size(); ++size) {
+    const std::string cut = text.substr(0, size);
+    if (errorOf("a.obj", cut) != "no error") {
+      ++errors;
+      continue;
+    }
+    // What is left: a cut between two lines, or in a last index while every vertex is used already. The
+    // former drops whole faces after all vertices are used and cannot be told from a smaller mesh.
+    const MeshImport read = import("a.obj", cut);
+    EXPECT_TRUE(cut.ends_with('\n') || !read.notes.empty()) << size;
+  }
+  EXPECT_GT(errors, static_cast<int>(text.size() * 9 / 10));
+}
+
+TEST_F(MeshImportTest, LegalOddObjsAreRead) {
+  EXPECT_EQ(import("a.obj", "f 1 2 3\n" + kTriangleObj).mesh.triangleCount(), 2U) << "faces before vertices";
+  EXPECT_EQ(import("a.obj", "v 0 0 \\\n0\nv 1 0 0\nv 0 1 0\nf 1 2 \\\n3\n").mesh.triangleCount(), 1U);
+  EXPECT_EQ(import("a.obj", "v +0 0 0 1 0 0\r\nv 1 0 0 1 0 0\r\nv 0 1 0 1 0 0 # red\r\nf 1 2 3\r\n")
+                .mesh.triangleCount(),
+            1U);
+  EXPECT_THAT(import("a.obj", kTriangleObj.substr(0, kTriangleObj.size() - 1)).notes,
+              testing::ElementsAre(HasSubstr("newline")));
+}
+
+TEST_F(MeshImportTest, NotFiniteCoordinatesNameTheVertex) {
+  EXPECT_THAT(errorOf("a.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"), HasSubstr("vertex 1"));
+  EXPECT_THAT(errorOf("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1e60 0\nf 1 2 3\n"), HasSubstr("vertex 2"));
+}
+
+TEST_F(MeshImportTest, PlyCutAtAnyByteIsAnErrorNotAHang) {
+  writePly(folder_ / "a.ply", wavyGrid(2));
+  const std::string whole = readTextFile(folder_ / "a.ply");
+  ASSERT_EQ(errorOf("b.ply", whole), "no error");
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    EXPECT_THAT(errorOf("b.ply", whole.substr(0, size)), HasSubstr("b.ply")) << size;
+  }
+  const std::string ascii =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  EXPECT_EQ(import("c.ply", ascii).mesh.triangleCount(), 1U);
+  for (std::size_t size = 0; size < ascii.size() - 2; ++size) {
+    EXPECT_NE(errorOf("c.ply", ascii.substr(0, size)), "no error") << size;
+  }
+}
+
+TEST_F(MeshImportTest, CutOffAndStlAreErrorsNotAborts) {
+  const std::string off = "OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+  EXPECT_EQ(import("a.off", off).mesh.triangleCount(), 4U);
+  for (std::size_t size = 0; size < off.size() - 2; ++size) {
+    EXPECT_NE(errorOf("a.off", off.substr(0, size)), "no error") << size;
+  }
+  const std::string facet =
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+  const std::string stl = "solid a\n" + facet + facet + "endsolid a\n";
+  EXPECT_EQ(import("a.stl", stl).mesh.triangleCount(), 2U);
+  for (std::size_t size = 0; size < stl.size() - 3; ++size) {
+    EXPECT_NE(errorOf("a.stl", stl.substr(0, size)), "no error") << size;
+  }
+  std::string binary(80, ' ');
+  const auto put = [&](auto value) { binary.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  put(std::uint32_t{1});
+  for (const float value : {0.F, 0.F, 1.F, 0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 0.F, 1.F, 0.F}) put(value);
+  put(std::uint16_t{0});
+  EXPECT_EQ(import("b.stl", binary).mesh.triangleCount(), 1U);
+  for (std::size_t size = 0; size < binary.size(); ++size) {
+    EXPECT_NE(errorOf("b.stl", binary.substr(0, size)), "no error") << size;
+  }
+}
+
+// One triangle below a node that mirrors x and moves; little-endian floats in base64: (0,0,0) (1,0,0)
+// (0,1,0).
+std::string gltfWith(const std::string& node, int buffer_size = 36) {
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0)" + node +
+         R"(}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+  "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+  "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":)" +
+         std::to_string(buffer_size) +
+         R"(,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+}
+
+TEST_F(MeshImportTest, NodeTransformsAreAppliedAndMirrorsTurnedOver) {
+  const MeshImport read = import("a.gltf", gltfWith(R"(,"scale":[-2,1,1],"translation":[10,0,5])"));
+  ASSERT_EQ(read.mesh.triangleCount(), 1U);
+  const Triangle& t = read.mesh.triangles[0];
+  EXPECT_EQ(read.mesh.positions[t[0]], (Float3{10, 0, 5}));
+  EXPECT_EQ(read.mesh.positions[t[1]], (Float3{10, 1, 5})) << "turned over, so that it faces the same side";
+  EXPECT_EQ(read.mesh.positions[t[2]], (Float3{8, 0, 5}));
+  EXPECT_THAT(read.notes, testing::Contains(HasSubstr("mirrored")));
+}
+
+TEST_F(MeshImportTest, CutGltfIsAnError) {
+  const std::string whole = gltfWith("");
+  ASSERT_EQ(errorOf("a.gltf", whole), "no error");
+  for (std::size_t size = 0; size < whole.size(); size += 7) {
+    EXPECT_NE(errorOf("a.gltf", whole.substr(0, size)), "no error") << size;
+  }
+}
+
+TEST_F(MeshImportTest, MissingAndForeignFilesAreNamed) {
+  EXPECT_THROW(importMesh(folder_ / "none.obj"), Error);
+  EXPECT_THAT(errorOf("a.txt", "hello"), HasSubstr("a.txt"));
+}
+
+}  // namespace
+}  // namespace bakelight::formats

@@ -1,0 +1,123 @@
+#include "formats/mesh_ply.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+
+#include "formats/error.h"
+#include "formats/file.h"
+#include "tests/unit/formats/test_meshes.h"
+
+namespace bakelight::formats {
+namespace {
+
+using testing::HasSubstr;
+
+std::string errorOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(MeshPly, RoundTripKeepsOrderAndBits) {
+  const ScratchFolder folder;
+  TriangleMesh mesh = wavyGrid(5);
+  mesh.positions[0] = {-0.0F, 1e-45F, 3.4e38F};
+  for (const bool with_normals : {true, false}) {
+    for (const bool with_texcoords : {true, false}) {
+      TriangleMesh written = mesh;
+      if (!with_normals) written.normals.clear();
+      if (!with_texcoords) written.texcoords.clear();
+      writePly(folder / "a.ply", written);
+      const TriangleMesh read = readPly(folder / "a.ply");
+      ASSERT_EQ(read.vertexCount(), 25U);
+      EXPECT_EQ(std::memcmp(read.positions.data(), written.positions.data(), 25 * sizeof(Float3)), 0);
+      EXPECT_EQ(read.normals, written.normals);
+      EXPECT_EQ(read.texcoords, written.texcoords);
+      EXPECT_EQ(read.triangles, written.triangles);
+      EXPECT_EQ(geometryHash(read), geometryHash(written));
+    }
+  }
+}
+
+TEST(MeshPly, EveryTruncationIsAnError) {
+  const ScratchFolder folder;
+  writePly(folder / "a.ply", wavyGrid(2));
+  const std::string whole = readTextFile(folder / "a.ply");
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    writeQuickly(folder / "cut.ply", whole.substr(0, size));
+    EXPECT_THAT(errorOf([&] { readPly(folder / "cut.ply"); }), HasSubstr("cut.ply")) << size;
+  }
+}
+
+TEST(MeshPly, FurtherPropertiesAndElementsAreSkipped) {
+  const ScratchFolder folder;
+  std::string text =
+      "ply\r\nformat binary_little_endian 1.0\ncomment by hand\nelement camera 1\nproperty list uchar short "
+      "a\n"
+      "element vertex 3\nproperty uchar red\nproperty float32 z\nproperty float y\nproperty float x\n"
+      "element face 1\nproperty double quality\nproperty list int ushort vertex_index\nend_header\n";
+  const auto put = [&](auto value) { text.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  put(std::uint8_t{2}), put(std::int16_t{1}), put(std::int16_t{1});
+  for (float i = 0; i < 3; ++i) put(std::uint8_t{9}), put(i), put(i * i), put(1 - i);
+  put(0.5), put(std::int32_t{3}), put(std::uint16_t{2}), put(std::uint16_t{0}), put(std::uint16_t{1});
+  writeQuickly(folder / "a.ply", text);
+  const TriangleMesh mesh = readPly(folder / "a.ply");
+  EXPECT_EQ(mesh.positions, (std::vector<Float3>{{1, 0, 0}, {0, 1, 1}, {-1, 4, 2}}));
+  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{2, 0, 1}}));
+}
+
+TEST(MeshPly, BadFilesAreNamed) {
+  const ScratchFolder folder;
+  const auto errorOfText = [&](const std::string& text) {
+    writeQuickly(folder / "a.ply", text);
+    return errorOf([&] { readPly(folder / "a.ply"); });
+  };
+  EXPECT_THAT(errorOf([&] { readPly(folder / "none.ply"); }), HasSubstr("none.ply"));
+  EXPECT_THAT(errorOfText("solid"), HasSubstr("not a PLY"));
+  EXPECT_THAT(errorOfText("ply\nformat ascii 1.0\nend_header\n"), HasSubstr("ascii"));
+  const std::string head = "ply\nformat binary_little_endian 1.0\n";
+  const std::string floats = "property float x\nproperty float y\nproperty float z\n";
+  EXPECT_THAT(errorOfText(head + "element vertex 18446744073709551615\n" + floats + "end_header\n"),
+              HasSubstr("vertex 0"));
+  EXPECT_THAT(errorOfText(head + "element vertex 99999999999999999999\n" + floats + "end_header\n"),
+              HasSubstr("malformed"));
+  EXPECT_THAT(errorOfText(head + "element vertex 1\nproperty double x\nend_header\n"),
+              HasSubstr("not float"));
+  EXPECT_THAT(errorOfText(head + "element vertex 1\nproperty float x\nend_header\n"),
+              HasSubstr("not complete"));
+
+  TriangleMesh mesh = wavyGrid(2);
+  mesh.triangles[1][0] = 4;
+  writePly(folder / "b.ply", mesh);
+  EXPECT_THAT(errorOf([&] { readPly(folder / "b.ply"); }),
+              testing::AllOf(HasSubstr("face 1"), HasSubstr("vertex 4")));
+  mesh = wavyGrid(2);
+  mesh.positions[3][1] = std::nanf("");
+  writePly(folder / "b.ply", mesh);
+  EXPECT_THAT(errorOf([&] { readPly(folder / "b.ply"); }), HasSubstr("vertex 3"));
+}
+
+TEST(MeshPly, GeometryHashSeesOrderNormalsAndTrianglesOnly) {
+  const TriangleMesh mesh = wavyGrid(3);
+  TriangleMesh other = mesh;
+  other.texcoords.clear();
+  EXPECT_EQ(geometryHash(other), geometryHash(mesh));
+  std::swap(other.triangles[0], other.triangles[1]);
+  EXPECT_NE(geometryHash(other), geometryHash(mesh));
+  other = mesh;
+  std::swap(other.positions[0], other.positions[1]);
+  EXPECT_NE(geometryHash(other), geometryHash(mesh));
+  other = mesh;
+  other.normals.clear();
+  EXPECT_NE(geometryHash(other), geometryHash(mesh));
+  EXPECT_EQ(geometryHash(mesh).size(), 32U);
+}
+
+}  // namespace
+}  // namespace bakelight::formats
