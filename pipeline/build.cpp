@@ -129,9 +129,14 @@ void Build::launch(TaskIndex task, Verdict verdict) {
     same_key_[running.key].push_back(task);
     return;
   }
-  const fs::path folder = parts_.cache.startEntry(running.key);
-  parts_.disk.write(folder / kParametersFile, running.ingredients.parameters.dump(2) + "\n");
-  parts_.runner.start(task, commandFor(task, running, folder));
+  running.folder = parts_.cache.startEntry(running.key);
+  try {
+    parts_.disk.write(running.folder / kParametersFile, running.ingredients.parameters.dump(2) + "\n");
+    parts_.runner.start(task, commandFor(task, running));
+  } catch (...) {
+    parts_.cache.dropEntry(running.key);
+    throw;
+  }
   free_cores_ -= running.threads;
   running_.emplace(task, std::move(running));
   parts_.observer.started(task);
@@ -143,8 +148,7 @@ std::size_t Build::threadsForNext() const {
   return std::max<std::size_t>(1, free_cores_ / starting);
 }
 
-std::vector<std::string> Build::commandFor(TaskIndex index, const Running& running,
-                                           const fs::path& folder) const {
+std::vector<std::string> Build::commandFor(TaskIndex index, const Running& running) const {
   const Task& task = graph_.tasks[index];
   std::vector<std::string> command = {parts_.tools.require(task.tool, {}).executable.string()};
   const auto add = [&](const std::string& option, const std::string& value) {
@@ -157,10 +161,10 @@ std::vector<std::string> Build::commandFor(TaskIndex index, const Running& runni
     };
     add(optionFor(port), (input.maker ? made() : input.file).string());
   }
-  for (const auto& [port, file] : task.outputs) add(optionFor(port), (folder / file).string());
-  add("--parameters", (folder / kParametersFile).string());
+  for (const auto& [port, file] : task.outputs) add(optionFor(port), (running.folder / file).string());
+  add("--parameters", (running.folder / kParametersFile).string());
   add("--threads", std::to_string(running.threads));
-  add("--stats", (folder / kStatsFile).string());
+  add("--stats", (running.folder / kStatsFile).string());
   add("--progress", "json");
   return command;
 }
@@ -171,9 +175,9 @@ void Build::take(const Event& event) {
   if (const auto* progress = std::get_if<ToolProgress>(&event.what))
     parts_.observer.progressed(task, *progress);
   if (const auto* warning = std::get_if<ToolWarning>(&event.what))
-    parts_.observer.said(task, "warning: " + withPublicPaths(task, warning->text));
+    parts_.observer.said(task, "warning: " + withPublicPaths(task, running_.at(task), warning->text));
   if (const auto* text = std::get_if<ToolText>(&event.what))
-    parts_.observer.said(task, withPublicPaths(task, text->line));
+    parts_.observer.said(task, withPublicPaths(task, running_.at(task), text->line));
   if (const auto* finished = std::get_if<ToolFinished>(&event.what)) finish(task, *finished);
 }
 
@@ -187,7 +191,7 @@ void Build::finish(TaskIndex task, const ToolFinished& finished) {
     if (!done) parts_.cache.dropEntry(running.key);
     if (!done && result_.interrupted) settleNotRun(task, kInterrupted);
     if (!done && !result_.interrupted)
-      settleFailed(task, failureOf(task, finished),
+      settleFailed(task, failureOf(task, running, finished),
                    finished.signal != 0 ? kSignalBase + finished.signal : finished.exit_status);
   } catch (const Error& error) {
     settleFailed(task, error, static_cast<int>(error.status()));
@@ -218,7 +222,7 @@ void Build::accept(TaskIndex task, const Running& running, const ToolFinished& f
   settle(task, std::move(outcome));
 }
 
-Error Build::failureOf(TaskIndex task, const ToolFinished& finished) const {
+Error Build::failureOf(TaskIndex task, const Running& running, const ToolFinished& finished) const {
   const std::string& tool = graph_.tasks[task].tool;
   if (finished.signal == SIGKILL)
     return badInput({}, "the tool " + tool + " was killed by SIGKILL", "",
@@ -231,7 +235,7 @@ Error Build::failureOf(TaskIndex task, const ToolFinished& finished) const {
     return badInput({}, "the tool " + tool + " ended with exit status " +
                             std::to_string(finished.exit_status) + " and said no more");
   const Error& told = *finished.error;
-  const auto mapped = [&](const std::string& text) { return withPublicPaths(task, text); };
+  const auto mapped = [&](const std::string& text) { return withPublicPaths(task, running, text); };
   return {told.status(),
           {mapped(told.place().file), told.place().element, told.place().pointer},
           mapped(told.problem()),
@@ -286,8 +290,10 @@ void Build::writeRecord(std::size_t asset) {
 }
 
 // A tool speaks of files in the cache; the user knows them by their names in the output folder.
-std::string Build::withPublicPaths(TaskIndex index, std::string text) const {
+std::string Build::withPublicPaths(TaskIndex index, const Running& running, std::string text) const {
   const Task& task = graph_.tasks[index];
+  for (const auto& [port, file] : task.outputs)
+    replaceAll(text, (running.folder / file).string(), parts_.out.pathOf(index, port).string());
   for (const auto& [port, input] : task.inputs) {
     if (!input.maker || !entries_[*input.maker]) continue;
     const CacheEntry& entry = *entries_[*input.maker];

@@ -68,6 +68,7 @@ class Build {
     std::string key;
     Ingredients ingredients;
     std::string reason;
+    std::filesystem::path folder = {};  // that it writes into
     std::size_t threads = 1;
   };
 
@@ -75,13 +76,12 @@ class Build {
   void startWhatIsReady();
   void consider(TaskIndex task);
   void launch(TaskIndex task, Verdict verdict);
-  std::vector<std::string> commandFor(TaskIndex task, const Running& running,
-                                      const std::filesystem::path& folder) const;
+  std::vector<std::string> commandFor(TaskIndex task, const Running& running) const;
   std::size_t threadsForNext() const;
   void take(const Event& event);
   void finish(TaskIndex task, const ToolFinished& finished);
   void accept(TaskIndex task, const Running& running, const ToolFinished& finished);
-  Error failureOf(TaskIndex task, const ToolFinished& finished) const;
+  Error failureOf(TaskIndex task, const Running& running, const ToolFinished& finished) const;
   void interrupt();
 
   void settle(TaskIndex task, Outcome outcome);
@@ -89,7 +89,7 @@ class Build {
   void settleNotRun(TaskIndex task, const std::string& reason);
   void wakeUsers(TaskIndex task);
   void writeRecord(std::size_t asset);
-  std::string withPublicPaths(TaskIndex task, std::string text) const;
+  std::string withPublicPaths(TaskIndex task, const Running& running, std::string text) const;
 
   Parts parts_;
   const Graph& graph_;

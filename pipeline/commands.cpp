@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -28,44 +29,26 @@ namespace bakelight::pipeline {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr auto kLockRetry = std::chrono::milliseconds(100);
+
 fs::path cacheFolder(const Request& request) {
   return request.out / ".cache";
 }
 
-// What every command on assets works with. The graph is whole and checked.
-class Session {
- public:
-  explicit Session(const Request& request)
-      : request_(request),
-        memo(cacheFolder(request) / "memo.json", disk),
-        recipes(request.recipes, disk),
-        tools(request.tools, processorIdentity(), disk, runner, memo),
-        graph(checkedGraph()),
-        out(request.out, graph, disk, memo),
-        cache(cacheFolder(request), disk, memo) {
-    for (std::size_t asset = 0; asset < graph.assets.size(); ++asset)
-      past.emplace_back(out.recordOf(asset), disk);
-  }
+Graph checkedGraph(const Request& request, const Disk& disk, RecipeBook& recipes, Toolbox& tools) {
+  Problems problems;
+  GraphOptions options{.deliver = request.deliver};
+  for (const std::string& text : request.settings)
+    problems.attempt([&] { options.settings.push_back(parseSetting(text)); });
+  std::vector<Asset> assets = findAssets(request.paths, request.data, recipes, disk, problems);
+  Graph graph = makeGraph(std::move(assets), recipes, tools, options, problems);
+  problems.throwIfAny();
+  return graph;
+}
 
-  std::vector<Explanation> explanations() {
-    return explain(graph, Explainer(graph, tools, cache, out, memo, past));
-  }
-
- private:
-  Graph checkedGraph() {
-    Problems problems;
-    GraphOptions options{.deliver = request_.deliver};
-    for (const std::string& text : request_.settings)
-      problems.attempt([&] { options.settings.push_back(parseSetting(text)); });
-    std::vector<Asset> assets = findAssets(request_.paths, request_.data, recipes, disk, problems);
-    Graph checked = makeGraph(std::move(assets), recipes, tools, options, problems);
-    problems.throwIfAny();
-    return checked;
-  }
-
-  const Request& request_;
-
- public:
+// What every command on assets works with. Making one changes nothing on the disk; the graph is whole and
+// checked.
+struct Session {
   RealDisk disk;
   LocalRunner runner;
   Memo memo;
@@ -74,7 +57,26 @@ class Session {
   Graph graph;
   OutputFolder out;
   Cache cache;
-  std::vector<PastRecord> past;
+  std::vector<PastRecord> past;  // by asset; see readRecords
+
+  explicit Session(const Request& request)
+      : memo(cacheFolder(request) / "memo.json", disk),
+        recipes(request.recipes, disk),
+        tools(request.tools, processorIdentity(), disk, runner, memo),
+        graph(checkedGraph(request, disk, recipes, tools)),
+        out(request.out, graph, disk, memo),
+        cache(cacheFolder(request), disk, memo) {}
+
+  // What the runs before left behind. A run does so once it holds the folder's lock.
+  void readRecords() {
+    for (std::size_t asset = 0; asset < graph.assets.size(); ++asset)
+      past.emplace_back(out.recordOf(asset), disk);
+  }
+
+  std::vector<Explanation> explanations() {
+    readRecords();
+    return explain(graph, Explainer(graph, tools, cache, out, memo, past));
+  }
 };
 
 void print(const Graph& graph, const Explanation& explanation) {
@@ -93,6 +95,17 @@ int dryRun(const Request& request) {
   }
   if (shown == 0) std::cout << "everything is up to date\n";
   return 0;
+}
+
+// Whether the lock was got: false if the user gave up waiting.
+bool waitFor(FolderLock& lock, const LocalRunner& runner, const fs::path& folder) {
+  if (lock.tryLock()) return true;
+  std::cerr << "bakelight: another run works in " << folder.string() << "; waiting for it" << std::endl;
+  while (!runner.interrupted()) {
+    std::this_thread::sleep_for(kLockRetry);
+    if (lock.tryLock()) return true;
+  }
+  return false;
 }
 
 BuildSettings buildSettings(const Request& request) {
@@ -124,12 +137,10 @@ void print(const formats::ToolDescription& tool) {
 
 int runCommand(const Request& request) {
   if (request.dry_run) return dryRun(request);
-  // Nothing is created in the output folder before all is found to be right.
-  { const Session checked(request); }
-  const FolderLock lock(cacheFolder(request), [&] {
-    std::cerr << "bakelight: another run works in " << request.out.string() << "; waiting for it\n";
-  });
-  Session session(request);
+  Session session(request);  // nothing is made in the output folder before all is found to be right
+  FolderLock lock(cacheFolder(request));
+  if (!waitFor(lock, session.runner, request.out)) return static_cast<int>(ExitStatus::kInterrupted);
+  session.readRecords();
   session.cache.removeTemporaries();
   Console console(session.graph, std::cout, std::cerr, ::isatty(STDERR_FILENO) == 1);
   Build build({session.graph, session.tools, session.cache, session.out, session.memo, session.disk,

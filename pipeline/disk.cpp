@@ -175,9 +175,4 @@ bool FolderLock::tryLock() {
   return ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
 }
 
-void FolderLock::lock() {
-  while (::flock(descriptor_, LOCK_EX) != 0)
-    if (errno != EINTR) return;
-}
-
 }  // namespace bakelight::pipeline

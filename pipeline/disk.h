@@ -58,24 +58,19 @@ class RealDisk : public Disk {
   void removeAll(const Path& path) override;
 };
 
-// Held while a driver works in an output folder; a second one waits its turn. The lock goes with the process,
-// so nothing is left over after a crash.
+// Held while a driver works in an output folder, so that a second one waits its turn. The lock goes with the
+// process: nothing is left over after a crash.
 class FolderLock {
  public:
-  // Makes the folder if needed. `waiting` is called once if another process holds the lock.
-  template <class Waiting>
-  FolderLock(const std::filesystem::path& folder, Waiting&& waiting) : FolderLock(folder) {
-    if (!tryLock()) waiting(), lock();
-  }
+  // Makes the folder if needed; does not take the lock yet. Throws Error(kCannotWrite).
+  explicit FolderLock(const std::filesystem::path& folder);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
- private:
-  explicit FolderLock(const std::filesystem::path& folder);
-  bool tryLock();
-  void lock();
+  bool tryLock();  // whether it is held now
 
+ private:
   int descriptor_ = -1;
 };
 

@@ -28,15 +28,18 @@ Explainer::Explainer(const Graph& graph, Toolbox& tools, const Cache& cache, con
                      Memo& memo, const std::vector<PastRecord>& past)
     : graph_(graph), tools_(tools), cache_(cache), out_(out), memo_(memo), past_(past) {}
 
+Ingredients Explainer::withoutInputs(const Task& task) const {
+  const InstalledTool& tool = tools_.require(task.tool, {});
+  return {.tool = task.tool,
+          .tool_hash = tool.hash,
+          .execution_path = tool.description.execution_path,
+          .parameters = task.parameters,
+          .outputs = task.outputs};
+}
+
 Ingredients Explainer::ingredientsOf(const Task& task,
                                      const std::vector<std::optional<CacheEntry>>& entries) const {
-  const InstalledTool& tool = tools_.require(task.tool, {});
-  Ingredients ingredients{.tool = task.tool,
-                          .tool_hash = tool.hash,
-                          .execution_path = tool.description.execution_path,
-                          .parameters = task.parameters,
-                          .inputs = {},
-                          .outputs = task.outputs};
+  Ingredients ingredients = withoutInputs(task);
   for (const auto& [port, input] : task.inputs) {
     if (input.maker) {
       const CachedFile& made = entries.at(*input.maker)->outputs.at(input.port);
@@ -76,6 +79,15 @@ Verdict Explainer::judge(TaskIndex index, const std::vector<std::optional<CacheE
   return verdict;
 }
 
+std::vector<std::string> Explainer::changesBesidesInputs(TaskIndex index) const {
+  const Task& task = graph_.tasks[index];
+  const PastRecord::Stage past = past_.at(task.asset).stage(task.stage);
+  if (!past.ingredients) return {};
+  Ingredients now = withoutInputs(task);
+  now.inputs = past.ingredients->inputs;
+  return differences(*past.ingredients, now, originsOf(graph_, task));
+}
+
 const char* nameOf(Explanation::State state) {
   switch (state) {
     case Explanation::State::kUpToDate:
@@ -111,6 +123,7 @@ std::vector<Explanation> explain(const Graph& graph, const Explainer& explainer)
       std::string reason = "on what ";
       reason += join(std::vector<std::string>(waits.begin(), waits.end()), " and ");
       reason += " will make";
+      for (const std::string& change : explainer.changesBesidesInputs(index)) reason += "; " + change;
       explanations.push_back({index, State::kWaits, std::move(reason)});
       continue;
     }

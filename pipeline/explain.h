@@ -36,7 +36,11 @@ class Explainer {
   // Throws Error(kBadInput) if an input cannot be read.
   Verdict judge(TaskIndex task, const std::vector<std::optional<CacheEntry>>& entries) const;
 
+  // Changes that can be told while the inputs are not made yet: of parameters and of the tool.
+  std::vector<std::string> changesBesidesInputs(TaskIndex task) const;
+
  private:
+  Ingredients withoutInputs(const Task& task) const;
   Ingredients ingredientsOf(const Task& task, const std::vector<std::optional<CacheEntry>>& entries) const;
   std::vector<std::string> changesSince(const PastRecord::Stage& past, const Task& task,
                                         const Verdict& verdict, const std::string& damage) const;

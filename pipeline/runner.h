@@ -34,7 +34,7 @@ struct ToolFinished {
   int signal = 0;  // that killed it, or 0
   double wall_s = 0, cpu_s = 0;
   std::uint64_t peak_memory_bytes = 0;
-  std::optional<Error> error;  // as the tool told it
+  std::optional<Error> error = {};  // as the tool told it
 };
 struct Interrupted {};  // someone asked this process to stop
 

@@ -33,7 +33,8 @@ InstalledTool Toolbox::examine(const std::string& name, const ErrorPlace& place)
                 "", "build it, or name the folder of the tools with --tools");
   tool.hash = memo_.hashOf(tool.executable);
 
-  const std::string key = tool.hash + "/" + processor_;
+  // Two tools may share one executable that answers by the name it is called by.
+  const std::string key = name + "/" + tool.hash + "/" + processor_;
   if (const auto answer = memo_.answer(key)) {
     tool.description = formats::toolDescriptionFromJson(*answer, tool.executable.string());
     return tool;
