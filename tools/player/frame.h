@@ -53,7 +53,7 @@ Eigen::Matrix3d worldFromLight(const FrameSettings& settings);
 // The factor on radiance before display encoding. Automatic: the light's mean radiance (luminance, Rec. 709),
 // which a white object returns on average, goes to kMiddleValue. So it depends on the light alone, not on
 // camera or object.
-inline constexpr double kMiddleValue = 0.4;
+inline constexpr double kMiddleValue = 0.32;
 double exposureFactor(const FrameSettings& settings, const transport::ShLight& light);
 
 }  // namespace bakelight::player

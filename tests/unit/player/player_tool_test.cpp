@@ -1,0 +1,114 @@
+// The executable itself: files in, files out, exit status.
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "formats/error.h"
+#include "formats/file.h"
+#include "formats/image.h"
+#include "formats/json.h"
+#include "tests/e2e/made_packs.h"
+
+namespace bakelight {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int status;
+  std::string messages;
+};
+
+class PlayerTool : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ =
+        fs::temp_directory_path() /
+        ("bakelight-player-" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::create_directories(folder_);
+    formats::writePack(folder_ / "sphere.glb", tests::spherePack(3, 16), {});
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  Outcome play(const std::string& arguments) const {
+    const std::string command = "cd '" + folder_.string() + "' && '" + BAKELIGHT_BIN_DIR "/player' " +
+                                arguments + " > messages.txt 2>&1";
+    const int status = std::system(command.c_str());
+    return {WEXITSTATUS(status), formats::readTextFile(folder_ / "messages.txt")};
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(PlayerTool, WritesAPictureAndItsFigures) {
+  const Outcome outcome =
+      play("--pack sphere.glb --image frame.png --width 80 --height 60 --stats stats.json");
+  ASSERT_EQ(outcome.status, 0) << outcome.messages;
+  const formats::Image picture = formats::readImage(folder_ / "frame.png");
+  EXPECT_EQ(picture.width, 80);
+  EXPECT_EQ(picture.height, 60);
+  const formats::Json stats = formats::readJson(folder_ / "stats.json")["stats"];
+  EXPECT_EQ(stats["vertices"], 17 * 32);
+  EXPECT_EQ(stats["order"], 3);
+  EXPECT_GT(stats["exposure"].get<double>(), 0);
+  EXPECT_GT(stats["frame_ms"].get<double>(), 0);
+  EXPECT_GT(stats["light_change_ms"].get<double>(), 0);
+}
+
+TEST_F(PlayerTool, ExrHoldsLinearRadianceWhateverTheExposure) {
+  ASSERT_EQ(play("--pack sphere.glb --image a.exr --width 20 --height 20").status, 0);
+  ASSERT_EQ(play("--pack sphere.glb --image b.exr --width 20 --height 20 --exposure-ev 4").status, 0);
+  const formats::Image picture = formats::readImage(folder_ / "a.exr");
+  EXPECT_EQ(picture.channelCount(), 4u);
+  EXPECT_GE(picture.channelIndex("A"), 0);
+  EXPECT_EQ(formats::readFile(folder_ / "a.exr"), formats::readFile(folder_ / "b.exr"));
+}
+
+TEST_F(PlayerTool, SameBytesWithOneThreadAndMany) {
+  ASSERT_EQ(play("--pack sphere.glb --image a.png --width 64 --height 64 --threads 1").status, 0);
+  ASSERT_EQ(play("--pack sphere.glb --image b.png --width 64 --height 64 --threads 4").status, 0);
+  EXPECT_EQ(formats::readFile(folder_ / "a.png"), formats::readFile(folder_ / "b.png"));
+}
+
+TEST_F(PlayerTool, OrderOneAndTenInOnePixel) {
+  for (const int order : {1, 10}) {
+    formats::writePack(folder_ / "ball.glb", tests::spherePack(order, 8), {});
+    const Outcome outcome = play("--pack ball.glb --image dot.png --width 1 --height 1");
+    EXPECT_EQ(outcome.status, 0) << outcome.messages;
+    EXPECT_EQ(formats::readImage(folder_ / "dot.png").width, 1);
+  }
+}
+
+TEST_F(PlayerTool, UnknownEndingIsAUsageErrorBeforeAnyWork) {
+  const Outcome outcome = play("--pack missing.glb --image frame.jpg");
+  EXPECT_EQ(outcome.status, static_cast<int>(ExitStatus::kUsage));
+  EXPECT_THAT(outcome.messages, testing::HasSubstr("frame.jpg"));
+}
+
+TEST_F(PlayerTool, TruncatedPackIsBadInput) {
+  formats::Bytes bytes = formats::readFile(folder_ / "sphere.glb");
+  bytes.resize(bytes.size() / 2);
+  formats::writeFileAtomically(folder_ / "half.glb", bytes);
+  const Outcome outcome = play("--pack half.glb --image frame.png");
+  EXPECT_EQ(outcome.status, static_cast<int>(ExitStatus::kBadInput));
+  EXPECT_THAT(outcome.messages, testing::HasSubstr("half.glb"));
+  EXPECT_FALSE(fs::exists(folder_ / "frame.png"));
+}
+
+TEST_F(PlayerTool, EnvironmentThatIsNoProbeIsBadInput) {
+  formats::writeExr(folder_ / "square.exr", formats::Image(8, 8, {"R", "G", "B"}));
+  const Outcome outcome = play("--pack sphere.glb --environment square.exr --image frame.png");
+  EXPECT_EQ(outcome.status, static_cast<int>(ExitStatus::kBadInput));
+  EXPECT_THAT(outcome.messages, testing::HasSubstr("square.exr"));
+}
+
+TEST_F(PlayerTool, NoDisplayIsSaidWithTheWayRound) {
+  ASSERT_EQ(::unsetenv("DISPLAY"), 0);
+  const Outcome outcome = play("--pack sphere.glb");
+  EXPECT_EQ(outcome.status, static_cast<int>(ExitStatus::kNotAvailable)) << outcome.messages;
+  EXPECT_THAT(outcome.messages, testing::HasSubstr("--image"));
+}
+
+}  // namespace
+}  // namespace bakelight
