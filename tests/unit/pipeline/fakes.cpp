@@ -38,11 +38,13 @@ std::vector<std::string> FakeDisk::list(const Path& folder) const {
   std::set<std::string> names;
   const std::string prefix = nameOf(folder) + "/";
   const auto add = [&](const std::string& name) {
-    if (name.starts_with(prefix))
-      names.insert(name.substr(prefix.size(), name.find('/', prefix.size()) - prefix.size()));
+    names.insert(name.substr(prefix.size(), name.find('/', prefix.size()) - prefix.size()));
   };
-  for (const auto& [name, file] : files_) add(name);
-  for (const std::string& name : folders_) add(name);
+  for (auto file = files_.lower_bound(prefix); file != files_.end() && file->first.starts_with(prefix);
+       ++file)
+    add(file->first);
+  for (auto name = folders_.lower_bound(prefix); name != folders_.end() && name->starts_with(prefix); ++name)
+    add(*name);
   return {names.begin(), names.end()};
 }
 
@@ -86,11 +88,15 @@ void FakeDisk::copy(const Path& from, const Path& to) {
 
 void FakeDisk::rename(const Path& from, const Path& to) {
   const std::string old_name = nameOf(from), new_name = nameOf(to);
-  std::map<std::string, File> moved;
-  for (const auto& [name, file] : files_)
-    moved[name == old_name || isInside(name, old_name) ? new_name + name.substr(old_name.size()) : name] =
-        file;
-  files_ = std::move(moved);
+  std::vector<std::string> names;
+  for (auto file = files_.lower_bound(old_name); file != files_.end() && file->first.starts_with(old_name);
+       ++file)
+    if (file->first == old_name || isInside(file->first, old_name)) names.push_back(file->first);
+  for (const std::string& name : names) {
+    auto file = files_.extract(name);
+    file.key() = new_name + name.substr(old_name.size());
+    files_.insert(std::move(file));
+  }
   folders_.erase(old_name);
 }
 

@@ -1,0 +1,157 @@
+#include "pipeline/recipe.h"
+
+#include "formats/error.h"
+#include "formats/json.h"
+#include "pipeline/problems.h"
+#include "workshop.h"
+
+namespace bakelight::pipeline {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using Json = nlohmann::json;
+
+std::string problemsOf(const Json& json) {
+  try {
+    parseRecipe(json, "test", "test.json");
+  } catch (const ProblemsFound& found) {
+    return found.what();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+Json stage(const Json& inputs, const std::string& output) {
+  return {{"tool", "any"}, {"inputs", inputs}, {"outputs", {{"o", output}}}};
+}
+
+TEST(Recipe, StagesInOrderPutMakersFirst) {
+  const Recipe recipe = parseRecipe({{"stages",
+                                      {{"a", stage({{"i", "c.o"}}, "a")},
+                                       {"b", stage(Json::object(), "b")},
+                                       {"c", stage({{"i", "b.o"}}, "c")}}}},
+                                    "test", "test.json");
+  EXPECT_THAT(stagesInOrder(recipe), ElementsAre("b", "c", "a"));
+}
+
+TEST(Recipe, CycleNamesItsStages) {
+  EXPECT_THAT(problemsOf({{"stages",
+                           {{"a", stage({{"i", "b.o"}}, "a")},
+                            {"b", stage({{"i", "a.o"}}, "b")},
+                            {"free", stage(Json::object(), "f")}}}}),
+              HasSubstr("test.json, at /stages: the stages a, b wait for each other"));
+}
+
+TEST(Recipe, WireToNothingSuggestsTheNearest) {
+  EXPECT_THAT(
+      problemsOf(
+          {{"stages", {{"simplify", stage(Json::object(), "m")}, {"b", stage({{"i", "simplfy.o"}}, "b")}}}}),
+      AllOf(HasSubstr("/stages/b/inputs/i"), HasSubstr("write \"simplify.o\"")));
+  EXPECT_THAT(problemsOf({{"stages", {{"b", stage({{"i", "nodot"}}, "b")}}}}), HasSubstr("no wire"));
+  EXPECT_THAT(
+      problemsOf({{"stages", {{"b", stage(Json::object(), "b")}}}, {"deliver", {{"d", "asset.mesh"}}}}),
+      HasSubstr("/deliver/d"));
+}
+
+TEST(Recipe, UnknownKeysAndWrongTypesAtEachLevel) {
+  EXPECT_THAT(problemsOf({{"stage", 1}}), AllOf(HasSubstr("at /stage:"), HasSubstr("\"stages\"")));
+  EXPECT_THAT(problemsOf({{"stages", {{"a", {{"input", 1}}}}}}), HasSubstr("at /stages/a/input:"));
+  EXPECT_THAT(problemsOf({{"asset", {{"mesh", {{"kind", "mesh"}, {"ending", ".obj"}}}}}}),
+              HasSubstr("at /asset/mesh/ending:"));
+  EXPECT_THAT(problemsOf({{"stages", 3}}), HasSubstr("at /stages: is number"));
+  EXPECT_THAT(problemsOf({{"stages", {{"asset", stage(Json::object(), "a")}}}}),
+              HasSubstr("at /stages/asset"));
+}
+
+TEST(Recipe, OutputIsAFileNameWithoutFolder) {
+  EXPECT_THAT(problemsOf({{"stages", {{"a", stage(Json::object(), "../a")}}}}),
+              HasSubstr("/stages/a/outputs/o"));
+}
+
+TEST(Recipe, ExpandsTheAssetNameOnly) {
+  EXPECT_EQ(expand("{asset}-{asset}.glb", "cube", {}), "cube-cube.glb");
+  EXPECT_EQ(expand("plain", "cube", {}), "plain");
+  EXPECT_THROW(expand("{stage}.glb", "cube", {}), Error);
+}
+
+// The graph checks a recipe against what the tools say; the recipe here is prt with one thing changed.
+std::vector<std::string> problemsWith(const std::string& pointer, const Json& value) {
+  Workshop workshop;
+  Json recipe = formats::parseJson(workshop.disk.read("recipes/prt.json"), "prt.json");
+  recipe[Json::json_pointer(pointer)] = value;
+  workshop.disk.write("recipes/prt.json", recipe.dump());
+  return workshop.problems();
+}
+
+TEST(Graph, RecipeIsCheckedAgainstTheTools) {
+  EXPECT_THAT(problemsWith("/stages/transfer/inputs/mesch", "simplify.simplified"),
+              ElementsAre(AllOf(HasSubstr("/stages/transfer/inputs/mesch"), HasSubstr("write \"mesh\""))));
+  EXPECT_THAT(problemsWith("/stages/transfer/inputs", Json::object()),
+              ElementsAre(AllOf(HasSubstr("/stages/transfer/inputs/mesh"), HasSubstr("not wired"))));
+  EXPECT_THAT(problemsWith("/stages/transfer/outputs/other", "o.bin"),
+              ElementsAre(HasSubstr("has no output \"other\"")));
+  EXPECT_THAT(problemsWith("/stages/pack/inputs/transfer", "simplify.simplified"),
+              ElementsAre(HasSubstr("kind \"mesh\" is wired")));
+  EXPECT_THAT(problemsWith("/stages/transfer/parameters", {{"order", 11}}),
+              ElementsAre(HasSubstr("recipes/prt.json, at /stages/transfer/parameters/order")));
+  EXPECT_THAT(problemsWith("/stages/transfer/tool", "transfr"),
+              ElementsAre(HasSubstr("no tool \"transfr\"")));
+}
+
+TEST(Graph, OutputsMustNotMeet) {
+  EXPECT_THAT(problemsWith("/stages/frame/outputs/image", "{asset}.glb"),
+              ElementsAre(HasSubstr("would overwrite")));
+  EXPECT_THAT(problemsWith("/stages/frame/outputs/image", "record.json"),
+              ElementsAre(HasSubstr("would overwrite")));
+  EXPECT_THAT(problemsWith("/stages/transfer/outputs/transfer", "stats.json"),
+              ElementsAre(HasSubstr("would overwrite")));
+}
+
+TEST(Graph, ToolThatIsNotBuiltMattersOnlyIfItsStageIsNeeded) {
+  Workshop workshop;
+  workshop.disk.removeAll("tools/player");
+  EXPECT_THAT(workshop.problems(), ElementsAre(HasSubstr("no tool \"player\"")));
+  workshop.options.deliver = {"pack"};
+  EXPECT_THAT(workshop.problems(), testing::IsEmpty());
+}
+
+TEST(Graph, SettingsAreCheckedAndNamed) {
+  Workshop workshop;
+  workshop.options.settings = {parseSetting("transfer.order=99"), parseSetting("transfer.ordr=1"),
+                               parseSetting("trnsfer.order=1")};
+  EXPECT_THAT(
+      workshop.problems(),
+      testing::UnorderedElementsAre(HasSubstr("--set transfer.order=99"), HasSubstr("--set transfer.ordr=1"),
+                                    AllOf(HasSubstr("--set trnsfer.order=1"), HasSubstr("\"transfer\""))));
+  EXPECT_THROW(parseSetting("order=5"), Error);
+  EXPECT_THROW(parseSetting("transfer.order"), Error);
+  EXPECT_EQ(parseSetting("pack.name=a.b=c").value, "a.b=c");
+}
+
+TEST(Graph, SettingsWinOverAssetAndAssetOverRecipe) {
+  Workshop workshop;
+  workshop.writeAssetFile("cube", {{"mesh", "cube.obj"},
+                                   {"stages", {{"pack", {{"name", "mine"}}}, {"transfer", {{"order", 2}}}}}});
+  workshop.options.settings = {parseSetting("transfer.order=7")};
+  const Graph graph = workshop.graph();
+  EXPECT_EQ(graph.tasks[1].parameters["order"], 7);
+  EXPECT_EQ(graph.tasks[2].parameters["name"], "mine");
+}
+
+TEST(Graph, TextParametersTakeTheirValueAsTyped) {
+  Workshop workshop;
+  workshop.options.settings = {parseSetting("pack.name=42")};
+  EXPECT_EQ(workshop.graph().tasks[2].parameters["name"], "42");
+}
+
+TEST(Graph, DeliverIsChecked) {
+  Workshop workshop;
+  workshop.options.deliver = {"frme"};
+  EXPECT_THAT(workshop.problems(), ElementsAre(AllOf(HasSubstr("--deliver frme"), HasSubstr("\"frame\""))));
+}
+
+}  // namespace
+}  // namespace bakelight::pipeline
