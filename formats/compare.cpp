@@ -1,0 +1,365 @@
+#include "formats/compare.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <stdexcept>
+
+#include "formats/mesh_ply.h"
+
+namespace bakelight::formats {
+namespace {
+
+double distanceBetween(const Float3& a, const Float3& b) {
+  return std::hypot(static_cast<double>(a[0]) - b[0], static_cast<double>(a[1]) - b[1],
+                    static_cast<double>(a[2]) - b[2]);
+}
+
+// Largest value, where a NaN stays.
+double largest(double a, double b) {
+  return std::isnan(a) || a > b ? a : b;
+}
+
+template <class Value>
+bool agree(Comparison& comparison, const std::string& what, const Value& value, const Value& reference) {
+  if (value == reference) return true;
+  comparison.mismatches.push_back(what + ": " + Json(value).dump() + ", the reference has " +
+                                  Json(reference).dump());
+  return false;
+}
+
+void append(Comparison& whole, const Comparison& part) {
+  whole.compared_values += part.compared_values;
+  whole.differences.insert(whole.differences.end(), part.differences.begin(), part.differences.end());
+  whole.mismatches.insert(whole.mismatches.end(), part.mismatches.begin(), part.mismatches.end());
+}
+
+// --- meshes ---
+
+// Points sorted along x, so that the search for a neighbour can stop early.
+class PointSet {
+ public:
+  explicit PointSet(const std::vector<Float3>& points) : points_(points), order_(points.size()) {
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
+    std::stable_sort(order_.begin(), order_.end(),
+                     [&](std::size_t a, std::size_t b) { return points_[a][0] < points_[b][0]; });
+  }
+
+  double distanceToNearest(const Float3& query) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    forNeighbours(query, nearest,
+                  [&](std::size_t i) { nearest = std::min(nearest, distanceBetween(points_[i], query)); });
+    return nearest;
+  }
+
+  // Calls `visit` with the index of each point whose x is within `reach` (which may shrink meanwhile).
+  template <class Visit>
+  void forNeighbours(const Float3& query, const double& reach, const Visit& visit) const {
+    const auto middle = std::lower_bound(order_.begin(), order_.end(), query[0],
+                                         [&](std::size_t i, float x) { return points_[i][0] < x; });
+    for (auto it = middle; it != order_.end() && points_[*it][0] - query[0] <= reach; ++it) visit(*it);
+    for (auto it = middle; it != order_.begin() && query[0] - points_[*std::prev(it)][0] <= reach; --it)
+      visit(*std::prev(it));
+  }
+
+ private:
+  const std::vector<Float3>& points_;
+  std::vector<std::size_t> order_;
+};
+
+double farthestFromSet(const std::vector<Float3>& points, const PointSet& set) {
+  double farthest = 0;
+  for (const Float3& point : points) farthest = largest(set.distanceToNearest(point), farthest);
+  return farthest;
+}
+
+double hausdorffDistance(const std::vector<Float3>& a, const std::vector<Float3>& b) {
+  return largest(farthestFromSet(a, PointSet(b)), farthestFromSet(b, PointSet(a)));
+}
+
+std::vector<Float3> centroids(const TriangleMesh& mesh) {
+  std::vector<Float3> result;
+  for (const Triangle& t : mesh.triangles) {
+    Float3 centroid{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      centroid[axis] =
+          (mesh.positions[t[0]][axis] + mesh.positions[t[1]][axis] + mesh.positions[t[2]][axis]) / 3;
+    result.push_back(centroid);
+  }
+  return result;
+}
+
+double boxDiagonal(const std::vector<Float3>& points) {
+  Float3 low = points.front(), high = points.front();
+  for (const Float3& point : points)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      low[axis] = std::min(low[axis], point[axis]), high[axis] = std::max(high[axis], point[axis]);
+  return distanceBetween(low, high);
+}
+
+// Vertices at a crease share their position, so of all vertices that are as near as the nearest one (give or
+// take `slack`), the one with the likest normal counts.
+double normalDifference(const TriangleMesh& mesh, const TriangleMesh& reference, double slack) {
+  const PointSet set(reference.positions);
+  double largest_difference = 0;
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const Float3& position = mesh.positions[v];
+    const double reach = set.distanceToNearest(position) + slack;
+    double likest = std::numeric_limits<double>::infinity();
+    set.forNeighbours(position, reach, [&](std::size_t i) {
+      if (distanceBetween(reference.positions[i], position) <= reach)
+        likest = std::min(likest, distanceBetween(reference.normals[i], mesh.normals[v]));
+    });
+    largest_difference = largest(likest, largest_difference);
+  }
+  return largest_difference;
+}
+
+// --- lists of values ---
+
+struct ValueDifference {
+  double maximum = 0, sum_of_squares = 0, reference_sum_of_squares = 0;
+
+  void add(double value, double reference) {
+    // Equal infinities are equal.
+    const double difference = value == reference ? 0 : std::abs(value - reference);
+    maximum = largest(difference, maximum);
+    sum_of_squares += difference * difference;
+    reference_sum_of_squares += reference * reference;
+  }
+  double relativeNorm() const {
+    return sum_of_squares == 0 ? 0 : std::sqrt(sum_of_squares) / std::sqrt(reference_sum_of_squares);
+  }
+};
+
+void addValues(Comparison& comparison, const std::string& name, const ValueDifference& difference,
+               const CompareLimits& limits) {
+  comparison.differences.push_back({name + ", relative norm", difference.relativeNorm(), limits.relative});
+  comparison.differences.push_back({name + ", maximum", difference.maximum, limits.maximum});
+}
+
+template <class T>
+ValueDifference differenceOf(const Tensor& tensor, const Tensor& reference) {
+  const auto values = tensor.as<T>(), reference_values = reference.as<T>();
+  ValueDifference difference;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    difference.add(static_cast<double>(values[i]), static_cast<double>(reference_values[i]));
+  return difference;
+}
+
+ValueDifference tensorDifference(const Tensor& tensor, const Tensor& reference) {
+  switch (tensor.type) {
+    case ElementType::kFloat32:
+      return differenceOf<float>(tensor, reference);
+    case ElementType::kFloat64:
+      return differenceOf<double>(tensor, reference);
+    case ElementType::kUint8:
+      return differenceOf<std::uint8_t>(tensor, reference);
+    case ElementType::kFloat16:  // by their codes
+    case ElementType::kUint16:
+      return differenceOf<std::uint16_t>(tensor, reference);
+    case ElementType::kUint32:
+      return differenceOf<std::uint32_t>(tensor, reference);
+    case ElementType::kInt32:
+      return differenceOf<std::int32_t>(tensor, reference);
+    case ElementType::kInt64:
+      return differenceOf<std::int64_t>(tensor, reference);
+  }
+  throw std::logic_error("an element type without a comparison");
+}
+
+bool isIgnored(const CompareLimits& limits, const std::string& key) {
+  return std::find(limits.ignored_keys.begin(), limits.ignored_keys.end(), key) != limits.ignored_keys.end();
+}
+
+template <class Map>
+std::vector<std::string> keysOf(const Map& map) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : map) keys.push_back(key);
+  return keys;
+}
+
+// --- JSON ---
+
+class JsonComparer {
+ public:
+  JsonComparer(const CompareLimits& limits, Comparison& comparison)
+      : limits_(limits), comparison_(comparison) {}
+
+  void compare(const Json& json, const Json& reference, const std::string& pointer) {
+    if (json.is_object() && reference.is_object()) {
+      compareObjects(json, reference, pointer);
+    } else if (json.is_array() && reference.is_array()) {
+      if (!agree(comparison_, pointer + ", elements", json.size(), reference.size())) return;
+      for (std::size_t i = 0; i < json.size(); ++i)
+        compare(json[i], reference[i], pointer + "/" + std::to_string(i));
+    } else {
+      compareValues(json, reference, pointer);
+    }
+  }
+
+ private:
+  void compareObjects(const Json& json, const Json& reference, const std::string& pointer) {
+    for (const auto& [key, value] : json.items())
+      if (!isIgnored(limits_, key) && !reference.contains(key))
+        comparison_.mismatches.push_back(childPointer(pointer, key) + " is not in the reference");
+    for (const auto& [key, value] : reference.items()) {
+      if (isIgnored(limits_, key)) continue;
+      if (json.contains(key))
+        compare(json[key], value, childPointer(pointer, key));
+      else
+        comparison_.mismatches.push_back(childPointer(pointer, key) + " is missing");
+    }
+  }
+
+  void compareValues(const Json& json, const Json& reference, const std::string& pointer) {
+    ++comparison_.compared_values;
+    const bool real =
+        json.is_number() && reference.is_number() && (json.is_number_float() || reference.is_number_float());
+    if (!real) {
+      agree(comparison_, pointer, json, reference);
+      return;
+    }
+    const auto a = json.get<double>(), b = reference.get<double>();
+    const double relative = a == b ? 0 : std::abs(a - b) / std::max(std::abs(a), std::abs(b));
+    comparison_.differences.push_back({pointer + ", relative", relative, limits_.relative});
+  }
+
+  const CompareLimits& limits_;
+  Comparison& comparison_;
+};
+
+std::vector<std::string> sectionNames(const std::filesystem::path& file) {
+  std::vector<std::string> names;
+  for (const PackSection& section : packSections(readFile(file), file.string()))
+    names.push_back(section.name);
+  return names;
+}
+
+}  // namespace
+
+bool Comparison::passes() const {
+  return compared_values > 0 && mismatches.empty() &&
+         std::all_of(differences.begin(), differences.end(), [](const Difference& d) { return d.passes(); });
+}
+
+Comparison compareMeshes(const TriangleMesh& mesh, const TriangleMesh& reference,
+                         const CompareLimits& limits) {
+  Comparison comparison;
+  bool same_shape = agree(comparison, "vertices", mesh.vertexCount(), reference.vertexCount());
+  same_shape &= agree(comparison, "triangles", mesh.triangleCount(), reference.triangleCount());
+  same_shape &= agree(comparison, "normals", mesh.normals.size(), reference.normals.size());
+  same_shape &= agree(comparison, "texcoords", mesh.texcoords.size(), reference.texcoords.size());
+  if (!same_shape || mesh.positions.empty()) return comparison;
+
+  const double diagonal = std::max(boxDiagonal(reference.positions), std::numeric_limits<double>::min());
+  comparison.compared_values = mesh.vertexCount() + mesh.triangleCount();
+  comparison.differences.push_back({"vertices, distance",
+                                    hausdorffDistance(mesh.positions, reference.positions) / diagonal,
+                                    limits.distance});
+  comparison.differences.push_back({"triangles, distance",
+                                    hausdorffDistance(centroids(mesh), centroids(reference)) / diagonal,
+                                    limits.distance});
+  if (!mesh.normals.empty()) {
+    const double slack = limits.distance * diagonal;
+    comparison.differences.push_back(
+        {"normals, difference",
+         largest(normalDifference(mesh, reference, slack), normalDifference(reference, mesh, slack)),
+         limits.normal});
+  }
+  if (!mesh.texcoords.empty()) {
+    ValueDifference difference;
+    for (std::size_t v = 0; v < mesh.texcoords.size(); ++v)
+      for (std::size_t axis = 0; axis < 2; ++axis)
+        difference.add(mesh.texcoords[v][axis], reference.texcoords[v][axis]);
+    comparison.differences.push_back({"texcoords, maximum", difference.maximum, limits.maximum});
+  }
+  return comparison;
+}
+
+Comparison compareImages(const Image& image, const Image& reference, const CompareLimits& limits) {
+  Comparison comparison;
+  bool same_shape = agree(comparison, "width", image.width, reference.width);
+  same_shape &= agree(comparison, "height", image.height, reference.height);
+  same_shape &= agree(comparison, "channels", image.channel_names, reference.channel_names);
+  if (!same_shape || image.values.empty()) return comparison;
+
+  comparison.compared_values = image.values.size();
+  std::vector<ValueDifference> channels(image.channelCount());
+  for (std::size_t i = 0; i < image.values.size(); ++i)
+    channels[i % channels.size()].add(image.values[i], reference.values[i]);
+  const double texels = static_cast<double>(image.values.size() / channels.size());
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const std::string name = "channel " + image.channel_names[c];
+    comparison.differences.push_back({name + ", maximum", channels[c].maximum, limits.maximum});
+    comparison.differences.push_back(
+        {name + ", rms", std::sqrt(channels[c].sum_of_squares / texels), limits.rms});
+  }
+  return comparison;
+}
+
+Comparison compareTensors(const TensorFile& tensors, const TensorFile& reference,
+                          const CompareLimits& limits) {
+  Comparison comparison;
+  agree(comparison, "tensors", keysOf(tensors.tensors), keysOf(reference.tensors));
+  for (const auto& [name, tensor] : tensors.tensors) {
+    const auto entry = reference.tensors.find(name);
+    if (entry == reference.tensors.end()) continue;
+    const std::string label = "tensor " + name;
+    bool same_shape = agree(comparison, label + ", type", std::string(safetensorsName(tensor.type)),
+                            std::string(safetensorsName(entry->second.type)));
+    same_shape &= agree(comparison, label + ", shape", tensor.shape, entry->second.shape);
+    if (!same_shape) continue;
+    comparison.compared_values += tensor.elementCount();
+    addValues(comparison, label, tensorDifference(tensor, entry->second), limits);
+  }
+
+  auto metadata = tensors.metadata, reference_metadata = reference.metadata;
+  for (const std::string& key : limits.ignored_keys) metadata.erase(key), reference_metadata.erase(key);
+  agree(comparison, "metadata", metadata, reference_metadata);
+  return comparison;
+}
+
+Comparison compareJson(const Json& json, const Json& reference, const CompareLimits& limits) {
+  Comparison comparison;
+  JsonComparer(limits, comparison).compare(json, reference, "");
+  return comparison;
+}
+
+Comparison comparePacks(const Pack& pack, const Pack& reference, const CompareLimits& limits) {
+  Comparison comparison = compareMeshes(pack.mesh, reference.mesh, limits);
+  agree(comparison, "name", pack.name, reference.name);
+  agree(comparison, "base color", pack.base_color, reference.base_color);
+  agree(comparison, "order", pack.transfer.order, reference.transfer.order);
+  agree(comparison, "visibility", pack.transfer.visibility, reference.transfer.visibility);
+  const auto& values = pack.transfer.vectors;
+  if (!agree(comparison, "transfer values", values.size(), reference.transfer.vectors.size()))
+    return comparison;
+  ValueDifference difference;
+  for (std::size_t i = 0; i < values.size(); ++i) difference.add(values[i], reference.transfer.vectors[i]);
+  comparison.compared_values += values.size();
+  addValues(comparison, "transfer", difference, limits);
+  return comparison;
+}
+
+const std::vector<std::string>& comparedKinds() {
+  static const std::vector<std::string> kinds = {"mesh", "image", "tensors", "json", "pack"};
+  return kinds;
+}
+
+Comparison compareFiles(const std::string& kind, const std::filesystem::path& file,
+                        const std::filesystem::path& reference, const CompareLimits& limits) {
+  if (kind == "mesh") return compareMeshes(readPly(file), readPly(reference), limits);
+  if (kind == "image") return compareImages(readImage(file), readImage(reference), limits);
+  if (kind == "tensors") return compareTensors(readSafetensors(file), readSafetensors(reference), limits);
+  if (kind == "json") return compareJson(readJson(file), readJson(reference), limits);
+  if (kind != "pack") throw std::invalid_argument("there is no comparison for files of kind " + kind);
+  Comparison comparison;
+  agree(comparison, "sections", sectionNames(file), sectionNames(reference));
+  append(comparison, comparePacks(readPack(file), readPack(reference), limits));
+  return comparison;
+}
+
+}  // namespace bakelight::formats
