@@ -89,7 +89,6 @@ TEST(CheckParameters, NamesPointerRangeAndNearestName) {
   EXPECT_EQ(refusalOf(Json::parse(R"({"order": "5"})")).pointer, "/stages/transfer/order");
   EXPECT_EQ(refusalOf(Json::parse(R"({"order": 18446744073709551615})")).pointer, "/stages/transfer/order");
   EXPECT_EQ(refusalOf(Json::parse(R"({"bias": -1})")).expected, "a number of 0 or more");
-  EXPECT_EQ(refusalOf(Json::parse(R"({"bias": 1e999})")).pointer, "/stages/transfer/bias");
   EXPECT_EQ(refusalOf(Json::parse(R"({"mode": "unshadwed"})")).remedy, "\"unshadowed\"");
   EXPECT_EQ(refusalOf(Json::parse(R"({"albedo": [0, 1]})")).expected, "a list of 3 numbers from 0 to 1");
   EXPECT_EQ(refusalOf(Json::parse(R"({"albedo": [0, 1, 2]})")).pointer, "/stages/transfer/albedo");

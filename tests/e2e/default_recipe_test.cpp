@@ -1,0 +1,237 @@
+// What a user does: run the driver on the default asset, look at the picture, change something, make
+// mistakes.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "formats/file.h"
+#include "formats/json.h"
+#include "formats/mesh_import.h"
+#include "formats/pack.h"
+#include "tests/e2e/player_comparison.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bakelight::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using formats::Json;
+
+const fs::path kBin = BAKELIGHT_BIN_DIR;
+const fs::path kSource = BAKELIGHT_SOURCE_DIR;
+const fs::path kData = kBin.parent_path() / "assets";
+const fs::path kBunny = kSource / "configs/assets/bunny";
+
+struct Outcome {
+  int status = -1;
+  std::string output;  // standard output and error, interleaved
+};
+
+Outcome shell(const std::string& command) {
+  Outcome outcome;
+  FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
+  std::array<char, 4096> block{};
+  while (const std::size_t got = std::fread(block.data(), 1, block.size(), pipe))
+    outcome.output.append(block.data(), got);
+  const int status = ::pclose(pipe);
+  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return outcome;
+}
+
+std::string quoted(const fs::path& path) {
+  return "'" + path.string() + "'";
+}
+
+class Driver {
+ public:
+  explicit Driver(fs::path out) : out_(std::move(out)) {}
+
+  Outcome run(const fs::path& asset, const std::string& options = "") const {
+    return call("run", asset, options);
+  }
+  Outcome explain(const fs::path& asset, const std::string& options = "") const {
+    return call("explain", asset, options);
+  }
+  // Stage → status, as the record says.
+  Json statuses(const std::string& asset) const {
+    Json result = Json::object();
+    const Json record = formats::readJson(out_ / asset / "record.json");
+    for (const auto& [stage, entry] : record.at("stages").items()) result[stage] = entry.at("status");
+    return result;
+  }
+  const fs::path& out() const { return out_; }
+
+ private:
+  Outcome call(const std::string& command, const fs::path& asset, const std::string& options) const {
+    return shell(quoted(kBin / "bakelight") + " " + command + " " + quoted(asset) + " --out " + quoted(out_) +
+                 " --data " + quoted(kData) + " " + options);
+  }
+  fs::path out_;
+};
+
+// One bake serves all tests of the suite.
+class DefaultRecipe : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<TemporaryFolder>();
+    driver_ = std::make_unique<Driver>(*folder_ / "out");
+    first_run_ = driver_->run(kBunny);
+  }
+  static void TearDownTestSuite() {
+    driver_.reset();
+    folder_.reset();
+  }
+  void SetUp() override { ASSERT_EQ(first_run_.status, 0) << first_run_.output; }
+
+  static inline std::unique_ptr<TemporaryFolder> folder_;
+  static inline std::unique_ptr<Driver> driver_;
+  static inline Outcome first_run_;
+};
+
+TEST_F(DefaultRecipe, DeliversTheBunny) {
+  EXPECT_THAT(first_run_.output, testing::HasSubstr("frame.png"));
+  const formats::Pack pack = formats::readPack(driver_->out() / "bunny/bunny.glb");
+  EXPECT_EQ(pack.name, "bunny");
+  EXPECT_EQ(pack.transfer.order, 5);
+  EXPECT_EQ(pack.transfer.visibility, "shadowed");
+  EXPECT_NEAR(static_cast<double>(pack.mesh.vertexCount()), 10800, 200);
+  // An ordinary glTF reader sees the same triangles.
+  EXPECT_EQ(formats::importMesh(driver_->out() / "bunny/bunny.glb").mesh.triangleCount(),
+            pack.mesh.triangleCount());
+}
+
+TEST_F(DefaultRecipe, PixelsAreThoseOfTheCpu) {
+  const auto result = comparePlayerWithCpu(kBin / "player", driver_->out() / "bunny/bunny.glb",
+                                           kData / "probes/courtyard.exr", {}, *folder_ / "pictures");
+  EXPECT_TRUE(result.agrees()) << result.summary();
+  std::printf("%s\n", result.summary().c_str());
+  // The picture that was compared is the one that was delivered.
+  EXPECT_EQ(formats::readTextFile(driver_->out() / "bunny/frame.png"),
+            formats::readTextFile(*folder_ / "pictures/player.png"));
+}
+
+TEST_F(DefaultRecipe, SecondRunAndTouchDoNothing) {
+  const Outcome second = driver_->run(kBunny);
+  EXPECT_EQ(second.status, 0);
+  EXPECT_THAT(second.output, testing::HasSubstr("up to date"));
+  ASSERT_EQ(shell("touch " + quoted(kData / "models/bunny.obj") + " " + quoted(kBunny / "asset.json")).status,
+            0);
+  EXPECT_THAT(driver_->run(kBunny).output, testing::HasSubstr("up to date"));
+  EXPECT_EQ(driver_->statuses("bunny"),
+            Json({{"simplify", "cached"}, {"transfer", "cached"}, {"pack", "cached"}, {"frame", "cached"}}));
+}
+
+TEST_F(DefaultRecipe, ChangedOrderRunsTransferAndLaterOnly) {
+  const Driver driver(*folder_ / "order");
+  ASSERT_EQ(driver.run(kBunny).status, 0);
+  const Outcome explained = driver.explain(kBunny, "--set transfer.order=4");
+  EXPECT_THAT(explained.output, testing::HasSubstr("order changed from 5 to 4"));
+  ASSERT_EQ(driver.run(kBunny, "--set transfer.order=4").status, 0);
+  EXPECT_EQ(driver.statuses("bunny"),
+            Json({{"simplify", "cached"}, {"transfer", "ran"}, {"pack", "ran"}, {"frame", "ran"}}));
+  EXPECT_EQ(formats::readPack(driver.out() / "bunny/bunny.glb").transfer.order, 4);
+  // Back to what was there before: from the cache.
+  ASSERT_EQ(driver.run(kBunny).status, 0);
+  EXPECT_EQ(driver.statuses("bunny")["transfer"], "cached");
+  EXPECT_EQ(formats::readPack(driver.out() / "bunny/bunny.glb").transfer.order, 5);
+}
+
+TEST_F(DefaultRecipe, SameBytesWithOneThread) {
+  const Driver driver(*folder_ / "one");
+  ASSERT_EQ(driver.run(kBunny, "--threads 1 -j 1").status, 0);
+  for (const char* file : {"bunny.glb", "frame.png", "simplify/mesh.ply", "transfer/transfer.safetensors"})
+    EXPECT_EQ(formats::readTextFile(driver.out() / "bunny" / file),
+              formats::readTextFile(driver_->out() / "bunny" / file))
+        << file;
+}
+
+TEST_F(DefaultRecipe, StageThatNothingDeliversIsLeftOut) {
+  const Driver driver(*folder_ / "pack-only");
+  ASSERT_EQ(driver.run(kBunny, "--deliver pack --set transfer.directions=64").status, 0);
+  EXPECT_EQ(driver.statuses("bunny")["frame"], "left-out");
+  EXPECT_TRUE(fs::exists(driver.out() / "bunny/bunny.glb"));
+  EXPECT_FALSE(fs::exists(driver.out() / "bunny/frame.png"));
+}
+
+// Mistakes: one paragraph each that names the file and the place, the documented status, and nothing
+// half-written.
+class BadInput : public testing::Test {
+ protected:
+  void expectError(const Outcome& outcome, int status, const std::vector<std::string>& parts) {
+    EXPECT_EQ(outcome.status, status) << outcome.output;
+    for (const auto& part : parts) EXPECT_THAT(outcome.output, testing::HasSubstr(part));
+  }
+  void expectNoDeliverable(const std::string& asset) {
+    EXPECT_FALSE(fs::exists(driver_.out() / asset / (asset + ".glb")));
+    EXPECT_FALSE(fs::exists(driver_.out() / asset / "frame.png"));
+    if (!fs::exists(driver_.out())) return;
+    for (const auto& entry : fs::recursive_directory_iterator(driver_.out()))
+      EXPECT_EQ(entry.path().filename().string().find("tmp-"), std::string::npos) << entry.path();
+  }
+  fs::path assetWith(const std::string& json) {
+    formats::writeFileAtomically(folder_ / "thing/asset.json", json);
+    if (!fs::exists(folder_ / "thing/bunny.obj"))
+      fs::create_symlink(kData / "models/bunny.obj", folder_ / "thing/bunny.obj");
+    return folder_ / "thing";
+  }
+
+  TemporaryFolder folder_;
+  Driver driver_{folder_ / "out"};
+};
+
+TEST_F(BadInput, TruncatedObj) {
+  const std::string whole = formats::readTextFile(kData / "models/bunny.obj");
+  // Cut within a vertex line, and after the vertices but within the faces' last line.
+  for (const std::size_t size : {std::size_t{100'010}, whole.size() - 6}) {
+    formats::writeFileAtomically(folder_ / "cut/cut.obj", whole.substr(0, size));
+    expectError(driver_.run(folder_ / "cut"), 2, {"cut.obj", "Expected"});
+    expectNoDeliverable("cut");
+  }
+}
+
+TEST_F(BadInput, EmptyFolder) {
+  fs::create_directories(folder_ / "empty");
+  expectError(driver_.run(folder_ / "empty"), 2, {"empty"});
+  expectNoDeliverable("empty");
+}
+
+TEST_F(BadInput, UnknownKey) {
+  expectError(driver_.run(assetWith(R"({"mesh": "bunny.obj", "stages": {"transfer": {"ordr": 5}}})")), 2,
+              {"asset.json", "/stages/transfer/ordr", "order"});
+  expectError(driver_.run(assetWith(R"({"mesh": "bunny.obj", "enviroment": "a.exr"})")), 2,
+              {"asset.json", "/enviroment", "environment"});
+  expectNoDeliverable("thing");
+}
+
+TEST_F(BadInput, OrderOf99) {
+  expectError(driver_.run(assetWith(R"({"mesh": "bunny.obj", "stages": {"transfer": {"order": 99}}})")), 2,
+              {"asset.json", "/stages/transfer/order", "from 1 to 10"});
+  expectError(driver_.run(assetWith(R"({"mesh": "bunny.obj"})"), "--set transfer.order=99"), 1,
+              {"transfer.order", "from 1 to 10"});
+  expectNoDeliverable("thing");
+}
+
+TEST_F(BadInput, MissingProbe) {
+  expectError(driver_.run(assetWith(R"({"mesh": "bunny.obj", "environment": "nowhere.exr"})")), 2,
+              {"asset.json", "/environment", "nowhere.exr"});
+  expectNoDeliverable("thing");
+}
+
+// A limit on file sizes fails writes as a full disk does.
+TEST_F(BadInput, FullDisk) {
+  const std::string command = "ulimit -f 200; trap '' XFSZ; exec " + quoted(kBin / "bakelight") + " run " +
+                              quoted(assetWith(R"({"mesh": "bunny.obj"})")) + " --out " +
+                              quoted(driver_.out());
+  const Outcome outcome = shell("bash -c \"" + command + "\"");
+  expectError(outcome, 4, {"mesh.ply"});
+  expectNoDeliverable("thing");
+  // With room again, the same command goes through.
+  EXPECT_EQ(driver_.run(folder_ / "thing", "--deliver pack --set transfer.directions=64").status, 0);
+}
+
+}  // namespace
+}  // namespace bakelight::tests
