@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <string>
 
+#include "formats/error.h"
 #include "formats/mesh_import.h"
 #include "tools/simplify/metrics.h"
 #include "tools/simplify/repair.h"
@@ -57,12 +58,6 @@ Outcome ours(const formats::TriangleMesh& mesh, int triangles) {
   Outcome outcome;
   outcome.seconds = secondsSince(start);
   outcome.mesh = workingMesh(result.mesh);
-  for (const auto& [step, seconds] : result.report.seconds)
-    std::printf("  %-10s %.3f s\n", step.c_str(), seconds);
-  std::printf("  constraints %s, creases %lld corners %lld flips %lld splits %lld\n",
-              result.report.constraints.c_str(), (long long)result.report.crease_edges,
-              (long long)result.report.corners, (long long)result.report.flips,
-              (long long)result.report.split_vertices);
   return outcome;
 }
 
@@ -78,11 +73,13 @@ Outcome meshoptimizers(const formats::TriangleMesh& mesh, int triangles) {
   outcome.mesh.triangles.clear();
   for (std::size_t i = 0; i < count; i += 3)
     outcome.mesh.triangles.push_back({indices[i], indices[i + 1], indices[i + 2]});
-  std::vector<std::uint32_t> renumbered(mesh.vertexCount(), ~0u);
+  // Only the vertices that are left, as the others would count as samples.
+  constexpr std::uint32_t kUnused = ~0u;
+  std::vector<std::uint32_t> renumbered(mesh.vertexCount(), kUnused);
   std::vector<Vec3> used;
   for (Triangle& t : outcome.mesh.triangles) {
     for (std::uint32_t& v : t) {
-      if (renumbered[v] == ~0u)
+      if (renumbered[v] == kUnused)
         renumbered[v] = static_cast<std::uint32_t>(used.size()), used.push_back(outcome.mesh.positions[v]);
       v = renumbered[v];
     }
@@ -107,24 +104,52 @@ void print(const char* who, const Outcome& o) {
 }
 
 void run(benchmark::State& state) {
-  const formats::TriangleMesh mesh =
-      weldedMesh(environment("BAKELIGHT_BENCH_MESH", BAKELIGHT_DATA_DIR "/models/bunny.obj"));
+  const std::string path = environment("BAKELIGHT_BENCH_MESH", BAKELIGHT_DATA_DIR "/models/bunny.obj");
   const int target = std::stoi(environment("BAKELIGHT_BENCH_TRIANGLES", "20000"));
+  const formats::TriangleMesh mesh = weldedMesh(path);
   const SurfaceQuery original(workingMesh(mesh));
   for ([[maybe_unused]] const auto iteration : state) {
     Outcome a = ours(mesh, target), b = meshoptimizers(mesh, target);
+    state.SetIterationTime(a.seconds);
     judge(a, original);
     judge(b, original);
+    const double hausdorff_ratio = a.deviation.hausdorff / b.deviation.hausdorff;
+    const double mean_ratio = a.deviation.mean / b.deviation.mean;
     print("simplify", a);
     print("meshoptimizer", b);
-    std::printf("Hausdorff ratio %.3f, mean distance ratio %.3f\n",
-                a.deviation.hausdorff / b.deviation.hausdorff, a.deviation.mean / b.deviation.mean);
-    state.counters["hausdorff_ratio"] = a.deviation.hausdorff / b.deviation.hausdorff;
+    std::printf("ratios         Hausdorff %.3f  mean distance %.3f  time %.1f\n", hausdorff_ratio, mean_ratio,
+                a.seconds / b.seconds);
+    state.counters["hausdorff_ratio"] = hausdorff_ratio;
+    state.counters["mean_distance_ratio"] = mean_ratio;
+    state.counters["triangles"] = static_cast<double>(a.mesh.triangles.size());
+    state.counters["mean_min_angle_deg"] = a.angles.mean_min_angle_deg;
+    state.counters["worst_min_angle_deg"] = a.angles.worst_min_angle_deg;
+    state.counters["seconds"] = a.seconds;
+    state.counters["meshoptimizer_triangles"] = static_cast<double>(b.mesh.triangles.size());
+    state.counters["meshoptimizer_mean_min_angle_deg"] = b.angles.mean_min_angle_deg;
+    state.counters["meshoptimizer_worst_min_angle_deg"] = b.angles.worst_min_angle_deg;
+    state.counters["meshoptimizer_seconds"] = b.seconds;
+    state.counters["time_ratio"] = a.seconds / b.seconds;
   }
 }
 
 }  // namespace
 }  // namespace bakelight::simplify
 
-BENCHMARK(bakelight::simplify::run)->Name("simplify/bunny")->Iterations(1)->Unit(benchmark::kMillisecond);
-BENCHMARK_MAIN();
+BENCHMARK(bakelight::simplify::run)
+    ->Name("simplify")
+    ->Iterations(1)
+    ->UseManualTime()
+    ->Unit(benchmark::kSecond);
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  try {
+    benchmark::RunSpecifiedBenchmarks();
+  } catch (const bakelight::Error& error) {
+    std::fprintf(stderr, "bench_simplify: %s\n", error.what());
+    return static_cast<int>(error.status());
+  }
+  return 0;
+}

@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdlib>
 #include <OpenMesh/Core/Geometry/QuadricT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
-#include <OpenMesh/Tools/Decimater/ModRoundnessT.hh>
 
 #include "tools/simplify/features.h"
 
@@ -17,12 +14,9 @@ namespace {
 using OpenMesh::Geometry::Quadricd;
 
 // Collapsing an edge of length l costs as much as a deviation of this share of l does.
-const double kLengthPull = 0.03;
+constexpr double kLengthPull = 0.04;
 // Weight of the planes that stand on borders and creases, against the surface's own.
 constexpr double kFeatureWeight = 10;
-
-const double KE = 1;
-const double kMinRoundness = 0.3;
 constexpr double kMaxTurn_deg = 60;
 
 // OpenMesh's own ModQuadricT knows neither borders nor edge lengths.
@@ -31,16 +25,12 @@ class QuadricModule : public OpenMesh::Decimater::ModBaseT<MeshT> {
  public:
   DECIMATING_MODULE(QuadricModule, MeshT, BakelightQuadric);
 
-  explicit QuadricModule(MeshT& mesh) : Base(mesh, false) {
-    Base::mesh().add_property(quadrics_);
-    Base::mesh().add_property(weights_);
-  }
-  ~QuadricModule() override { Base::mesh().remove_property(quadrics_); }
+  explicit QuadricModule(MeshT& mesh) : Base(mesh, false) { Base::mesh().add_property(errors_); }
+  ~QuadricModule() override { Base::mesh().remove_property(errors_); }
 
   void initialize() override {
     MeshT& mesh = Base::mesh();
-    for (const auto vertex : mesh.vertices())
-      mesh.property(quadrics_, vertex).clear(), mesh.property(weights_, vertex) = 0;
+    for (const auto vertex : mesh.vertices()) mesh.property(errors_, vertex) = {};
     for (const auto face : mesh.faces()) addFacePlane(face);
     for (const auto edge : mesh.edges()) {
       if (mesh.status(edge).feature()) addFeaturePlanes(edge);
@@ -48,31 +38,37 @@ class QuadricModule : public OpenMesh::Decimater::ModBaseT<MeshT> {
   }
 
   float collapse_priority(const CollapseInfo& collapse) override {
-    Quadricd sum = Base::mesh().property(quadrics_, collapse.v0);
-    sum += Base::mesh().property(quadrics_, collapse.v1);
-    const double length2 = (collapse.p1 - collapse.p0).sqrnorm();
-    const double weight =
-        Base::mesh().property(weights_, collapse.v0) + Base::mesh().property(weights_, collapse.v1);
-    const double pull = kLengthPull * kLengthPull * length2;
-    return static_cast<float>(std::max(sum(collapse.p1) / std::pow(weight, KE), 0.0) +
-                              pull * std::pow(length2, 1 - KE));
+    Error sum = Base::mesh().property(errors_, collapse.v0);
+    sum += Base::mesh().property(errors_, collapse.v1);
+    const double mean2 = sum.area > 0 ? std::max(sum.quadric(collapse.p1), 0.0) / sum.area : 0.0;
+    return static_cast<float>(mean2 + kLengthPull * kLengthPull * (collapse.p1 - collapse.p0).sqrnorm());
   }
 
   void postprocess_collapse(const CollapseInfo& collapse) override {
-    Base::mesh().property(quadrics_, collapse.v1) += Base::mesh().property(quadrics_, collapse.v0);
-    Base::mesh().property(weights_, collapse.v1) += Base::mesh().property(weights_, collapse.v0);
+    Base::mesh().property(errors_, collapse.v1) += Base::mesh().property(errors_, collapse.v0);
   }
 
  private:
+  // Area-weighted squared distances from planes, and the area they stand for: their ratio is a mean squared
+  // distance.
+  struct Error {
+    Quadricd quadric;
+    double area = 0;
+    Error& operator+=(const Error& other) {
+      quadric += other.quadric;
+      area += other.area;
+      return *this;
+    }
+  };
+
   void addFacePlane(FaceHandle face) {
     MeshT& mesh = Base::mesh();
-    Quadricd quadric;
     const HalfedgeHandle h = mesh.halfedge_handle(face);
-    quadric.set_distance_to_plane(mesh.normal(face), mesh.point(mesh.to_vertex_handle(h)));
-    quadric *= mesh.calc_sector_area(h);
-    for (const auto vertex : mesh.fv_range(face))
-      mesh.property(quadrics_, vertex) += quadric,
-          mesh.property(weights_, vertex) += mesh.calc_sector_area(h);
+    Error error;
+    error.area = mesh.calc_sector_area(h);
+    error.quadric.set_distance_to_plane(mesh.normal(face), mesh.point(mesh.to_vertex_handle(h)));
+    error.quadric *= error.area;
+    for (const auto vertex : mesh.fv_range(face)) mesh.property(errors_, vertex) += error;
   }
 
   // Planes through the edge, perpendicular to its faces.
@@ -86,13 +82,12 @@ class QuadricModule : public OpenMesh::Decimater::ModBaseT<MeshT> {
       quadric.set_distance_to_plane((along % mesh.normal(mesh.face_handle(h))).normalize_cond(),
                                     mesh.point(mesh.to_vertex_handle(h)));
       quadric *= kFeatureWeight * along.sqrnorm();
-      mesh.property(quadrics_, mesh.from_vertex_handle(h)) += quadric;
-      mesh.property(quadrics_, mesh.to_vertex_handle(h)) += quadric;
+      mesh.property(errors_, mesh.from_vertex_handle(h)).quadric += quadric;
+      mesh.property(errors_, mesh.to_vertex_handle(h)).quadric += quadric;
     }
   }
 
-  OpenMesh::VPropHandleT<Quadricd> quadrics_;
-  OpenMesh::VPropHandleT<double> weights_;
+  OpenMesh::VPropHandleT<Error> errors_;
 };
 
 std::size_t collapseTo(HalfEdgeMesh& mesh, std::size_t target, DecimationLevel level) {
@@ -100,15 +95,10 @@ std::size_t collapseTo(HalfEdgeMesh& mesh, std::size_t target, DecimationLevel l
   Decimater decimater(mesh);
   OpenMesh::Decimater::ModHandleT<QuadricModule<HalfEdgeMesh>> quadric;
   OpenMesh::Decimater::ModNormalFlippingT<HalfEdgeMesh>::Handle flipping;
-  OpenMesh::Decimater::ModRoundnessT<HalfEdgeMesh>::Handle roundness;
   decimater.add(quadric);
   if (level != DecimationLevel::kUnconstrained) {
     decimater.add(flipping);
     decimater.module(flipping).set_max_normal_deviation(kMaxTurn_deg);
-  }
-  if (level == DecimationLevel::kFull) {
-    decimater.add(roundness);
-    decimater.module(roundness).set_min_roundness(kMinRoundness, true);
   }
   decimater.initialize();
   const std::size_t collapses = decimater.decimate_to_faces(0, target);
@@ -122,8 +112,6 @@ const char* name(DecimationLevel level) {
   switch (level) {
     case DecimationLevel::kFull:
       return "full";
-    case DecimationLevel::kAnyShape:
-      return "any_shape";
     case DecimationLevel::kWithoutCreases:
       return "without_creases";
     case DecimationLevel::kUnconstrained:
@@ -134,8 +122,8 @@ const char* name(DecimationLevel level) {
 
 DecimationResult decimate(HalfEdgeMesh& mesh, std::size_t target) {
   DecimationResult result;
-  constexpr std::array kLevels = {DecimationLevel::kFull, DecimationLevel::kAnyShape,
-                                  DecimationLevel::kWithoutCreases, DecimationLevel::kUnconstrained};
+  constexpr std::array kLevels = {DecimationLevel::kFull, DecimationLevel::kWithoutCreases,
+                                  DecimationLevel::kUnconstrained};
   for (const DecimationLevel level : kLevels) {
     if (mesh.n_faces() <= target) break;
     result.level = level;

@@ -7,8 +7,6 @@
 namespace bakelight::simplify {
 namespace {
 
-// A crease, with the borders it runs into, of fewer edges than this is taken for noise.
-constexpr std::size_t kMinCreaseEdges = 8;
 // A feature line that turns by more than this at a vertex has a corner there.
 const double kCornerCosine = std::cos(45 * std::numbers::pi / 180);
 
@@ -34,12 +32,14 @@ std::vector<EdgeHandle> connectedFeatures(const HalfEdgeMesh& mesh, EdgeHandle s
   return line;
 }
 
-void unmarkNoise(HalfEdgeMesh& mesh) {
+void unmarkNoise(HalfEdgeMesh& mesh, double min_length) {
   std::vector<bool> seen(mesh.n_edges());
   for (const auto edge : mesh.edges()) {
     if (!isFeature(mesh, edge) || seen[static_cast<std::size_t>(edge.idx())]) continue;
     const std::vector<EdgeHandle> line = connectedFeatures(mesh, edge, seen);
-    if (line.size() >= kMinCreaseEdges) continue;
+    double length = 0;
+    for (const EdgeHandle e : line) length += mesh.calc_edge_length(e);
+    if (length >= min_length) continue;
     for (const EdgeHandle e : line) mesh.status(e).set_feature(mesh.is_boundary(e));
   }
 }
@@ -59,7 +59,7 @@ void markVertices(HalfEdgeMesh& mesh) {
 
 }  // namespace
 
-FeatureCounts markFeatures(HalfEdgeMesh& mesh, double crease_angle_deg) {
+FeatureCounts markFeatures(HalfEdgeMesh& mesh, double crease_angle_deg, double min_length) {
   const double crease_cosine = std::cos(crease_angle_deg * std::numbers::pi / 180);
   for (const auto edge : mesh.edges()) {
     const HalfedgeHandle h = mesh.halfedge_handle(edge, 0);
@@ -68,7 +68,7 @@ FeatureCounts markFeatures(HalfEdgeMesh& mesh, double crease_angle_deg) {
                                     mesh.normal(mesh.opposite_face_handle(h))) < crease_cosine;
     mesh.status(edge).set_feature(border || crease);
   }
-  unmarkNoise(mesh);
+  unmarkNoise(mesh, min_length);
   markVertices(mesh);
   FeatureCounts counts;
   for (const auto edge : mesh.edges())

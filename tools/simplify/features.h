@@ -14,8 +14,8 @@ struct FeatureCounts {
 
 // Sets OpenMesh's `feature` status on border edges and on edges whose triangles' normals differ by more than
 // `crease_angle_deg` (0–180), and on their vertices; a corner is `locked` as well. Creases of a few edges
-// only, off any border, are noise and stay unmarked. Needs face normals.
-FeatureCounts markFeatures(HalfEdgeMesh& mesh, double crease_angle_deg);
+// only, off any run into, are shorter than `min_length` are noise and stay unmarked. Needs face normals.
+FeatureCounts markFeatures(HalfEdgeMesh& mesh, double crease_angle_deg, double min_length);
 
 // Forgets all marks except those of the border.
 void releaseCreases(HalfEdgeMesh& mesh);

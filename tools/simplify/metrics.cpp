@@ -21,29 +21,10 @@ double minAngle(const WorkingMesh& mesh, std::size_t t) {
   return smallest;
 }
 
-// All vertices, then points stratified by area; the place in the triangle by the R2 sequence (Roberts 2018).
-std::vector<Vec3> surfaceSamples(const WorkingMesh& mesh, std::size_t count) {
-  std::vector<Vec3> points = mesh.positions;
-  points.reserve(points.size() + count);
-  const double stride = area(mesh) / static_cast<double>(count);
-  double next = stride / 2, passed = 0;
-  std::size_t k = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    passed += mesh.areaVector(t).norm() / 2;
-    for (; next < passed; next += stride, ++k) {
-      double whole;
-      double u = std::modf(static_cast<double>(k) * 0.7548776662466927 + 0.5, &whole);
-      double v = std::modf(static_cast<double>(k) * 0.5698402909980532 + 0.5, &whole);
-      if (u + v > 1) u = 1 - u, v = 1 - v;
-      points.push_back(mesh.corner(t, 0) * (1 - u - v) + mesh.corner(t, 1) * u + mesh.corner(t, 2) * v);
-    }
-  }
-  return points;
-}
-
 // Greatest and mean distance from samples of one surface to the other.
 Deviation oneWay(const WorkingMesh& from, const SurfaceQuery& to, std::size_t samples) {
-  const std::vector<Vec3> points = surfaceSamples(from, samples);
+  std::vector<Vec3> points = from.positions;
+  for (const SurfaceSample& sample : surfaceSamples(from, samples)) points.push_back(sample.position);
   std::vector<double> distances(points.size());
   tbb::parallel_for(std::size_t{0}, points.size(),
                     [&](std::size_t i) { distances[i] = to.closest(points[i]).distance; });
@@ -78,6 +59,25 @@ double boundingBoxDiagonal(const WorkingMesh& mesh) {
   Eigen::AlignedBox3d box;
   for (const Vec3& position : mesh.positions) box.extend(position);
   return box.isEmpty() ? 0.0 : box.diagonal().norm();
+}
+
+std::vector<SurfaceSample> surfaceSamples(const WorkingMesh& mesh, std::size_t count) {
+  // The R2 sequence (Roberts 2018).
+  constexpr double kStepU = 0.7548776662466927, kStepV = 0.5698402909980532;
+  std::vector<SurfaceSample> samples;
+  samples.reserve(count + 1);
+  const double stride = area(mesh) / static_cast<double>(count);
+  double next = stride / 2, passed = 0;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    passed += mesh.areaVector(t).norm() / 2;
+    for (; next < passed; next += stride) {
+      const auto k = static_cast<double>(samples.size());
+      double u = std::fmod(0.5 + k * kStepU, 1.0), v = std::fmod(0.5 + k * kStepV, 1.0);
+      if (u + v > 1) u = 1 - u, v = 1 - v;
+      samples.push_back({mesh.corner(t, 0) * (1 - u - v) + mesh.corner(t, 1) * u + mesh.corner(t, 2) * v, t});
+    }
+  }
+  return samples;
 }
 
 AngleQuality angleQuality(const WorkingMesh& mesh) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "tools/simplify/surface_query.h"
 #include "tools/simplify/working_mesh.h"
@@ -12,6 +14,14 @@ double area(const WorkingMesh& mesh);
 // Signed volume enclosed, about the bounding box's centre; meaningful for closed meshes.
 double volume(const WorkingMesh& mesh);
 double boundingBoxDiagonal(const WorkingMesh& mesh);
+
+// Points spread over the surface: `count` of them (to rounding), stratified by area in triangle order, placed
+// in their triangles by a fixed low-discrepancy sequence.
+struct SurfaceSample {
+  Vec3 position;
+  std::uint32_t triangle;
+};
+std::vector<SurfaceSample> surfaceSamples(const WorkingMesh& mesh, std::size_t count);
 
 // The smallest angle of each triangle: its mean and its minimum over the mesh, degrees (60 at best). A
 // triangle without area has 0.

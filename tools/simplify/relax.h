@@ -1,4 +1,4 @@
-// Makes the triangles of a decimated mesh round and of similar size, without leaving the original surface.
+// Makes the triangles of a decimated mesh round while they keep fitting the original surface.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,17 @@ struct RelaxCounts {
   std::int64_t moves = 0;  // vertices moved, over all rounds
 };
 
-// Rounds of edge flips (each raises the smallest angle of its two triangles) and of moves of each vertex
-// towards the area-weighted centroid of its ring, back onto `original`. No triangle turns over; feature edges
-// are not flipped, feature vertices not moved; a flip or move that would take the surface farther than
-// `max_deviation` from `original` (at the middle of a new edge) is left out. Serial and in index order, so
-// repeatable.
-RelaxCounts relax(HalfEdgeMesh& mesh, const SurfaceQuery& original, int rounds, double max_deviation);
-
-// Moves vertices along their normals to fit the original surface best in the least-squares sense, with
-// weights that lean towards the worst places: vertices that lie on a curved surface leave their triangles
-// wholly inside it. Feature vertices stay. Returns the number of vertices moved.
-std::int64_t fit(HalfEdgeMesh& mesh, const SurfaceQuery& original, int rounds);
+// Mesh optimisation after Hoppe et al. 1993: local operations, each of which lowers one cost
+//
+//   Σ_samples (e + e⁴/k³) / (samples a triangle)  +  w · Σ_triangles (q + q²),     e = d²/σ²,  q =
+//   1/roundness − 1
+//
+// where d is the distance of a point of the original surface from the mesh, σ the rms of d and roundness
+// 4√3·area/Σ(side²). An edge is flipped, or a vertex is moved towards the centroid of its ring (tangentially)
+// and to the height at which it fits the samples around it best. No triangle turns by more than 35° at once,
+// unless that unfolds it; feature edges and vertices (features.h) stay, and no vertex strays farther than a
+// few σ from the original. Serial and in index order: repeatable. Cost: about 0.2 s a round for 20k
+// triangles.
+RelaxCounts relax(HalfEdgeMesh& mesh, const SurfaceQuery& original, int rounds);
 
 }  // namespace bakelight::simplify

@@ -3,20 +3,26 @@
 #include <chrono>
 #include <cmath>
 #include <Eigen/Geometry>
+#include <numbers>
 
 #include "formats/error.h"
 #include "tools/simplify/decimate.h"
 #include "tools/simplify/features.h"
 #include "tools/simplify/half_edge_mesh.h"
 #include "tools/simplify/normals.h"
+#include "tools/simplify/refine.h"
 #include "tools/simplify/relax.h"
 #include "tools/simplify/surface_query.h"
 
 namespace bakelight::simplify {
 namespace {
 
-// Length of the bounding box's diagonal while working (see decimate.h).
+// Length of the bounding box's diagonal while working.
 constexpr double kWorkingDiagonal = 1000;
+// Creases shorter than this many sides of the triangles asked for are taken for noise.
+constexpr double kMinCreaseSides = 8;
+// Edges longer than this many of those sides are split before decimation.
+constexpr double kMaxEdgeSides = 2;
 constexpr std::size_t kDeviationSamples = 200'000;
 
 void checkInput(const formats::TriangleMesh& mesh, const std::string& file) {
@@ -61,6 +67,10 @@ struct WorkingFrame {
   }
 };
 
+double equilateralSide(double triangle_area) {
+  return std::sqrt(4 * triangle_area / std::numbers::sqrt3);
+}
+
 class Stopwatch {
  public:
   explicit Stopwatch(std::map<std::string, double>& seconds) : seconds_(seconds) {}
@@ -75,6 +85,33 @@ class Stopwatch {
   std::map<std::string, double>& seconds_;
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
+
+WorkingMesh reduce(const SurfaceQuery& original, const SimplifyOptions& options, SimplifyReport& report,
+                   Stopwatch& watch) {
+  HalfEdgeMesh mesh = halfEdgeMesh(original.mesh());
+  const double side = equilateralSide(area(original.mesh()) / options.triangles);
+  if (options.relax_rounds > 0) report.splits = splitLongEdges(mesh, kMaxEdgeSides * side, options.triangles);
+  mesh.update_face_normals();
+  const FeatureCounts features = markFeatures(mesh, options.crease_angle_deg, kMinCreaseSides * side);
+  report.crease_edges = features.crease_edges;
+  report.corners = features.corners;
+  const DecimationResult decimation = decimate(mesh, static_cast<std::size_t>(options.triangles));
+  report.collapses = static_cast<std::int64_t>(decimation.collapses);
+  report.constraints = name(decimation.level);
+  if (!decimation.reached) {
+    report.warnings.push_back(
+        "the target of " + std::to_string(options.triangles) +
+        " triangles cannot be reached: a closed component keeps at least 4, an open one 1");
+  }
+  watch.lap("decimate");
+  if (options.relax_rounds > 0) {
+    report.flips = relax(mesh, original, options.relax_rounds).flips;
+  } else {
+    report.left_out.push_back("relaxation: relax_rounds is 0");
+  }
+  watch.lap("relax");
+  return workingMesh(mesh);
+}
 
 }  // namespace
 
@@ -99,24 +136,13 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
   watch.lap("repair");
 
   const SurfaceQuery original(mesh);
-  HalfEdgeMesh half_edges = halfEdgeMesh(mesh);
-  half_edges.update_face_normals();
-  const FeatureCounts features = markFeatures(half_edges, options.crease_angle_deg);
-  report.crease_edges = features.crease_edges;
-  report.corners = features.corners;
-  const auto target = static_cast<std::size_t>(options.triangles);
-  if (mesh.triangles.size() > target) {
-    const DecimationResult decimation = decimate(half_edges, target);
-    report.collapses = static_cast<std::int64_t>(decimation.collapses);
-    report.constraints = name(decimation.level);
-    watch.lap("decimate");
-    report.flips =
-        relax(half_edges, original, options.relax_rounds, options.max_deviation * kWorkingDiagonal).flips;
-    watch.lap("relax");
-    fit(half_edges, original, 0);
-    watch.lap("fit");
+  if (mesh.triangles.size() > static_cast<std::size_t>(options.triangles)) {
+    mesh = reduce(original, options, report, watch);
+  } else {
+    report.left_out.push_back("decimation: " + std::to_string(mesh.triangles.size()) +
+                              " triangles are no more than the " + std::to_string(options.triangles) +
+                              " asked for");
   }
-  mesh = workingMesh(half_edges);
   report.topology_out = topology(mesh);
   report.angles_in = angleQuality(original.mesh());
   report.angles_out = angleQuality(mesh);
@@ -138,6 +164,7 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
   report.vertices_out = static_cast<std::int64_t>(result.mesh.vertexCount());
   report.triangles_out = static_cast<std::int64_t>(result.mesh.triangleCount());
   watch.lap("normals");
+  if (!input.texcoords.empty()) report.warnings.push_back("texture coordinates were dropped");
   return result;
 }
 

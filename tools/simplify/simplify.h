@@ -20,17 +20,17 @@ namespace bakelight::simplify {
 struct SimplifyOptions {
   int triangles = 20000;         // target, ≥ 4; a mesh with no more is repaired but not decimated
   double weld_tolerance = 1e-7;  // ÷ bounding-box diagonal; 0: only exactly coincident vertices
-  double crease_angle_deg = 60;  // edges sharper than this keep their place and are shaded flat
+  double crease_angle_deg = 80;  // edges sharper than this keep their place and are shaded flat
   int relax_rounds = 8;          // 0: no flips, moves or fit
-  double max_deviation = 1e-3;   // ÷ bounding-box diagonal: what a flip may add at most
 };
 
 struct SimplifyReport {
   RepairCounts repairs;
   Topology topology_in, topology_out;  // after the repair, after the whole stage
   std::int64_t vertices_in = 0, vertices_out = 0, triangles_in = 0, triangles_out = 0;
-  std::int64_t crease_edges = 0, corners = 0;  // kept in place by decimation
-  std::int64_t collapses = 0, flips = 0, split_vertices = 0;
+  std::int64_t crease_edges = 0, corners = 0;         // kept in place by decimation
+  std::int64_t splits = 0, collapses = 0, flips = 0;  // of edges
+  std::int64_t split_vertices = 0;                    // copies along creases, for flat shading
   std::string constraints;  // decimation level: what had to be given up (decimate.h)
   AngleQuality angles_in, angles_out;
   double area_in = 0, area_out = 0, volume_in = 0, volume_out = 0;  // unit of length squared, cubed

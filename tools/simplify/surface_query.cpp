@@ -9,34 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "tools/simplify/triangle_distance.h"
+
 namespace bakelight::simplify {
 namespace {
-
-// Closest point of segment ab to p, as the weight of b.
-double segmentParameter(const Vec3& a, const Vec3& b, const Vec3& p) {
-  const double length2 = (b - a).squaredNorm();
-  return length2 > 0 ? std::clamp((p - a).dot(b - a) / length2, 0.0, 1.0) : 0.0;
-}
-
-// Barycentric weights of the point of triangle abc closest to p: Ericson, Real-Time Collision
-// Detection, 5.1.5, with the three sides tried one by one where the foot of the perpendicular lies outside
-// (robust for triangles without area).
-Vec3 closestWeights(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
-  const Vec3 normal = (b - a).cross(c - a);
-  const double area2 = normal.squaredNorm();
-  if (area2 > 0) {
-    const double u = (c - b).cross(p - b).dot(normal), v = (a - c).cross(p - c).dot(normal);
-    const double w = (b - a).cross(p - a).dot(normal);
-    if (u >= 0 && v >= 0 && w >= 0) return Vec3(u, v, w) / (u + v + w);
-  }
-  const double ab = segmentParameter(a, b, p), bc = segmentParameter(b, c, p), ca = segmentParameter(c, a, p);
-  const Vec3 candidates[] = {{1 - ab, ab, 0}, {0, 1 - bc, bc}, {ca, 0, 1 - ca}};
-  const auto distance2 = [&](const Vec3& weights) {
-    return (weights[0] * a + weights[1] * b + weights[2] * c - p).squaredNorm();
-  };
-  return *std::min_element(std::begin(candidates), std::end(candidates),
-                           [&](const Vec3& x, const Vec3& y) { return distance2(x) < distance2(y); });
-}
 
 // Search radius beyond the best distance found, relative and (in units of the largest coordinate) absolute.
 constexpr double kRelativeMargin = 1e-5;

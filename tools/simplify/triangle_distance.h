@@ -1,0 +1,43 @@
+// Distance from a point to a triangle.
+#pragma once
+
+#include <algorithm>
+#include <Eigen/Geometry>
+
+#include "transport/vector_types.h"
+
+namespace bakelight::simplify {
+
+// Barycentric weights (sum 1) of the point of triangle abc closest to p, by the Voronoi region p lies in:
+// Ericson, Real-Time Collision Detection, 5.1.5. A triangle without area acts as its longest side.
+inline transport::Vec3 closestWeights(const transport::Vec3& a, const transport::Vec3& b,
+                                      const transport::Vec3& c, const transport::Vec3& p) {
+  const transport::Vec3 ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
+  const transport::Vec3 bp = p - b;
+  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+    const double v = d1 / (d1 - d3);
+    return {1 - v, v, 0};
+  }
+  const transport::Vec3 cp = p - c;
+  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+    const double w = d2 / (d2 - d6);
+    return {1 - w, 0, w};
+  }
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return {0, 1 - w, w};
+  }
+  const double sum = va + vb + vc;
+  return {va / sum, vb / sum, vc / sum};
+}
+
+}  // namespace bakelight::simplify
