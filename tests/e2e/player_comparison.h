@@ -18,8 +18,11 @@ struct PlayerComparison {
   std::size_t differing_pixels = 0;   // by one code or more
   int worst_x = 0, worst_y = 0;
 
-  // Every compared channel within one code, and at least a fifth of the picture compared on the object.
-  bool agrees() const { return largest_difference <= 1 && object_pixels * 5 >= pixels; }
+  // Every compared channel within one code, at most a twentieth of the pixels off by it (rounding; more would
+  // be a bias), and at least a fifth of the picture compared on the object.
+  bool agrees() const {
+    return largest_difference <= 1 && differing_pixels * 20 <= pixels && object_pixels * 5 >= pixels;
+  }
   // One line with all of the above.
   std::string summary() const;
 };

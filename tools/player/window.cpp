@@ -79,6 +79,7 @@ class Session {
   void play() {
     while (glfwWindowShouldClose(window_) == GLFW_FALSE) {
       if (changed_) drawFrame();
+      if (screenshot_wanted_) saveScreenshot();
       glfwWaitEvents();
     }
   }
@@ -108,7 +109,7 @@ class Session {
 
   void onKey(int key) {
     if (key == GLFW_KEY_ESCAPE) glfwSetWindowShouldClose(window_, GLFW_TRUE);
-    if (key == GLFW_KEY_S) saveScreenshot();
+    if (key == GLFW_KEY_S) screenshot_wanted_ = true;
     if (key == GLFW_KEY_R) {
       settings_ = start_;
       changed_ = true;
@@ -128,12 +129,13 @@ class Session {
     glfwSetWindowTitle(window_, fmt::format("{} - {:.1f} ms", name_, time.count()).c_str());
   }
 
-  // What the last frame showed.
+  // What the last frame showed. Not done in the callback: an error must not fly through GLFW, which is C.
   void saveScreenshot() {
+    screenshot_wanted_ = false;
     if (renderer_.target().widthPx() == 0) return;
     std::string path;
     for (int number = 1; path.empty() || std::filesystem::exists(path); ++number)
-      path = fmt::format("{}-{:03}.png", name_, number);
+      path = fmt::format("{}-{:03}.png", std::filesystem::path(name_).filename().string(), number);
     formats::writePng(path, renderer_.target().displayImage(renderer_.exposure(settings_)));
     spdlog::info("saved {}", path);
   }
@@ -143,7 +145,7 @@ class Session {
   FrameSettings start_, settings_;
   Renderer renderer_;
   double cursor_x_ = 0, cursor_y_ = 0;
-  bool changed_ = true;
+  bool changed_ = true, screenshot_wanted_ = false;
 };
 
 }  // namespace
