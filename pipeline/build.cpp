@@ -49,7 +49,7 @@ Build::Build(const Parts& parts, const std::vector<PastRecord>& past, BuildSetti
       graph_(parts.graph),
       past_(past),
       settings_(settings),
-      explainer_(parts.graph, parts.tools, parts.cache, parts.out, parts.memo, past),
+      explainer_(parts.graph, parts.tools, parts.cache, parts.out, parts.disk, parts.memo, past),
       free_cores_(settings.cores) {}
 
 BuildResult Build::run() {

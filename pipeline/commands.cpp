@@ -75,7 +75,7 @@ struct Session {
 
   std::vector<Explanation> explanations() {
     readRecords();
-    return explain(graph, Explainer(graph, tools, cache, out, memo, past));
+    return explain(graph, Explainer(graph, tools, cache, out, disk, memo, past));
   }
 };
 

@@ -3,6 +3,7 @@
 #include <set>
 #include <utility>
 
+#include "pipeline/companions.h"
 #include "pipeline/json_object.h"
 
 namespace bakelight::pipeline {
@@ -25,8 +26,8 @@ std::map<std::string, std::string> originsOf(const Graph& graph, const Task& tas
 }  // namespace
 
 Explainer::Explainer(const Graph& graph, Toolbox& tools, const Cache& cache, const OutputFolder& out,
-                     Memo& memo, const std::vector<PastRecord>& past)
-    : graph_(graph), tools_(tools), cache_(cache), out_(out), memo_(memo), past_(past) {}
+                     const Disk& disk, Memo& memo, const std::vector<PastRecord>& past)
+    : graph_(graph), tools_(tools), cache_(cache), out_(out), disk_(disk), memo_(memo), past_(past) {}
 
 Ingredients Explainer::withoutInputs(const Task& task) const {
   const InstalledTool& tool = tools_.require(task.tool, {});
@@ -45,7 +46,8 @@ Ingredients Explainer::ingredientsOf(const Task& task,
       const CachedFile& made = entries.at(*input.maker)->outputs.at(input.port);
       ingredients.inputs[port] = {made.hash, std::filesystem::path(made.name).extension().string()};
     } else {
-      ingredients.inputs[port] = {memo_.hashOf(input.file), input.file.extension().string()};
+      ingredients.inputs[port] = {hashWithCompanions(input.file, disk_, memo_),
+                                  input.file.extension().string()};
     }
   }
   return ingredients;

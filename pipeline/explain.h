@@ -29,8 +29,8 @@ struct Verdict {
 
 class Explainer {
  public:
-  Explainer(const Graph& graph, Toolbox& tools, const Cache& cache, const OutputFolder& out, Memo& memo,
-            const std::vector<PastRecord>& past);
+  Explainer(const Graph& graph, Toolbox& tools, const Cache& cache, const OutputFolder& out, const Disk& disk,
+            Memo& memo, const std::vector<PastRecord>& past);
 
   // `entries`: what each task made, by index; those of the task's makers must be there. Hashes input files.
   // Throws Error(kBadInput) if an input cannot be read.
@@ -49,6 +49,7 @@ class Explainer {
   Toolbox& tools_;
   const Cache& cache_;
   const OutputFolder& out_;
+  const Disk& disk_;
   Memo& memo_;
   const std::vector<PastRecord>& past_;  // by asset
 };

@@ -89,6 +89,24 @@ TEST(Build, UnchangedOutputStopsTheRebuild) {
   EXPECT_EQ(workshop.toolsStarted(), (Tools{"simplify"}));
 }
 
+TEST(Build, BufferOfAGltfBelongsToItsContent) {
+  Workshop workshop;
+  workshop.disk.write(
+      "box/box.gltf",
+      R"({"buffers": [{"uri": "box.bin"}, {"uri": "data:,"}], "images": [{"uri": "wood.png"}]})");
+  workshop.disk.write("box/box.bin", "1");
+  workshop.run({"box"});
+  workshop.toolsStarted();
+  workshop.run({"box"});
+  EXPECT_THAT(workshop.toolsStarted(), IsEmpty());
+  for (const std::string companion : {"box/box.bin", "box/wood.png"}) {
+    workshop.disk.write(companion, "2");
+    workshop.run({"box"});
+    EXPECT_EQ(workshop.toolsStarted(), (Tools{"simplify"}))
+        << companion;  // the fake one looks at the .gltf only
+  }
+}
+
 TEST(Build, RebuiltToolRunsAgain) {
   Workshop workshop;
   workshop.run();

@@ -108,7 +108,8 @@ std::map<std::string, std::string> Workshop::explain(std::vector<std::filesystem
   return withGraph(paths, [&](const Graph& made, Toolbox& tools, Cache& cache, OutputFolder& out, Memo& memo,
                               const std::vector<PastRecord>& past) {
     std::map<std::string, std::string> told;
-    for (const auto& explanation : pipeline::explain(made, Explainer(made, tools, cache, out, memo, past)))
+    for (const auto& explanation :
+         pipeline::explain(made, Explainer(made, tools, cache, out, disk, memo, past)))
       told[made.tasks[explanation.task].stage] = std::string(nameOf(explanation.state)) +
                                                  (explanation.reason.empty() ? "" : ": ") +
                                                  explanation.reason;

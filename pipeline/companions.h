@@ -1,0 +1,17 @@
+// Files that a file refers to and that belong to its content: the buffers and images of a .gltf.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "pipeline/disk.h"
+#include "pipeline/memo.h"
+
+namespace bakelight::pipeline {
+
+// Content hash of an input file and of all that it refers to. For a file that stands alone it is
+// Memo::hashOf. What is referred to and missing, or a .gltf that is no JSON, is left for the tool to report.
+// Throws Error(kBadInput) if `path` itself cannot be read.
+std::string hashWithCompanions(const std::filesystem::path& path, const Disk& disk, Memo& memo);
+
+}  // namespace bakelight::pipeline
