@@ -19,7 +19,7 @@ struct HeadlessPicture {
   float exposure = 1;    // the factor that display encoding applies
   // Medians of five, until GL has finished.
   double light_change_ms = 0;  // rotating the light and evaluating it at all vertices
-  double frame_ms = 0;         // drawing and resolving, with the light unchanged
+  double frame_ms = 0;         // drawing, resolving and reading back, with the light unchanged
   std::string gl_renderer;
 };
 
