@@ -22,7 +22,7 @@ constexpr double kMaxPeakWeight = 50;
 // Normals of triangles that an operation replaces may turn by this much.
 const double kTurnCosine = std::cos(35 * std::numbers::pi / 180);
 // A move may not take a vertex farther than this many σ from the original, unless it comes from farther away.
-constexpr double kStray = 6;
+constexpr double kStray = 4;
 // Pull of a vertex towards its present height, as a share of its samples' weight.
 constexpr double kStiffness = 0.02;
 
