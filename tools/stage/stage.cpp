@@ -351,6 +351,7 @@ class CommandLine {
     auto* option = app_.add_option(optionName(description.name), words, helpText(description));
     option->type_name("")
         ->expected(description.type == ParameterType::kRealList ? description.length : 1)
+        ->allow_extra_args(false)  // `--order 5 FILE`: FILE is no second value
         ->group("Parameters");
     // --flag alone means true.
     if (description.type == ParameterType::kBoolean) option->expected(0, 1)->default_str("true");
