@@ -14,9 +14,9 @@
 namespace bakelight::simplify {
 namespace {
 
-constexpr double kShapeWeight = 6;
+constexpr double kShapeWeight = 3;
 // k of the cost: distances beyond √k·σ count by their eighth power, which keeps the greatest one down.
-constexpr double kPeak = 8;
+constexpr double kPeak = 6;
 constexpr double kMinSamplesPerTriangle = 8;
 constexpr double kMaxPeakWeight = 50;
 // Normals of triangles that an operation replaces may turn by this much.
