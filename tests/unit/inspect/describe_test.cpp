@@ -1,0 +1,111 @@
+#include "tools/inspect/describe.h"
+
+#include "formats/error.h"
+
+namespace bakelight::inspect {
+namespace {
+
+using formats::ElementType;
+using formats::Json;
+using formats::Tensor;
+using ::testing::HasSubstr;
+
+Json described(std::vector<Section> sections) {
+  return asJson({"f", "k", 0, std::move(sections)});
+}
+
+formats::Pack trianglePack() {
+  formats::Pack pack{"one", {}, {0.5f, 0.25f, 0.125f}, {2, "shadowed", {}}};
+  pack.mesh.positions = {{0, 0, 0}, {3, 0, 0}, {0, 4, 0}};
+  pack.mesh.normals.assign(3, {0, 0, 1});
+  pack.mesh.triangles = {{0, 1, 2}};
+  pack.transfer.vectors = {1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0};
+  return pack;
+}
+
+TEST(DescribeMesh, SaysWhatATriangleIs) {
+  const Json mesh = described(describeMesh(trianglePack().mesh, {"a note"}));
+  EXPECT_EQ(mesh["size"]["vertices"], 3);
+  EXPECT_EQ(mesh["size"]["maximum"], Json({3, 4, 0}));
+  EXPECT_EQ(mesh["size"]["diagonal"], 5);
+  EXPECT_EQ(mesh["size"]["volume"], nullptr);
+  EXPECT_EQ(mesh["topology"]["closed"], false);
+  EXPECT_EQ(mesh["topology"]["borders"], 1);
+  EXPECT_EQ(mesh["topology"]["euler_characteristic"], 1);
+  EXPECT_EQ(mesh["attributes"]["unit_normals"], true);
+  EXPECT_EQ(mesh["notes"][0]["note"], "a note");
+}
+
+TEST(DescribePack, SectionsBytesAndTransfer) {
+  const formats::Pack pack = trianglePack();
+  const formats::Bytes bytes = formats::encodePack(pack, {}, "p.glb");
+  const Json json = described(describePack(pack, bytes, "p.glb"));
+  EXPECT_EQ(json["pack"]["version"], 1);
+  EXPECT_EQ(json["pack"]["base_color"], Json({0.5, 0.25, 0.125}));
+  EXPECT_DOUBLE_EQ(json["pack"]["bytes_per_vertex"], static_cast<double>(bytes.size()) / 3);
+  EXPECT_EQ(json["transfer"]["visibility"], "shadowed");
+  EXPECT_EQ(json["transfer"]["coefficients"], 4);
+  EXPECT_NEAR(json["energy_per_sh_band"][0]["share_percent"], 50, 1e-12);
+  bool found = false;
+  for (const Json& section : json["sections"]) {
+    if (section["section"] != "transfer") continue;
+    found = true;
+    EXPECT_EQ(section["size_bytes"], 3 * 4 * 4);
+    EXPECT_EQ(section["verified"], true);
+  }
+  EXPECT_TRUE(found);
+}
+
+TEST(DescribeTensors, TypesShapesMetadataAndBands) {
+  formats::TensorFile file;
+  file.tensors["transfer"] =
+      Tensor::from<float>(ElementType::kFloat32, {2, 4}, std::vector<float>{1, 0, 0, 0, 0, 0, 2, 0});
+  file.tensors["ids"] =
+      Tensor::from<std::uint32_t>(ElementType::kUint32, {3}, std::vector<std::uint32_t>{5, 6, 7});
+  file.metadata["order"] = "2";
+  const Json json = described(describeTensors(file));
+  ASSERT_EQ(json["tensors"].size(), 2U);
+  EXPECT_EQ(json["tensors"][0]["tensor"], "ids");
+  EXPECT_EQ(json["tensors"][0]["type"], "U32");
+  EXPECT_EQ(json["tensors"][0]["mean"], 6);
+  EXPECT_EQ(json["tensors"][1]["shape"], "2 × 4");
+  EXPECT_EQ(json["metadata"]["order"], "2");
+  EXPECT_EQ(json["energy_per_sh_band"][0]["mean_energy"], 0.5);
+  EXPECT_EQ(json["energy_per_sh_band"][1]["mean_energy"], 2);
+  EXPECT_EQ(json["energy_per_sh_band"][1]["share_percent"], 80);
+}
+
+TEST(DescribeRecord, AStagesStats) {
+  const Json json = described(
+      describeRecord(Json::parse(R"({"tool": "pack", "wall_s": 1.5, "cpu_s": 2.5, "peak_memory_bytes": 4096,
+                      "warnings": ["careful"], "stats": {"vertices": 3, "bytes_per_vertex": {"normals": 12}}})"),
+                     "stats.json"));
+  EXPECT_EQ(json["run"]["tool"], "pack");
+  EXPECT_EQ(json["run"]["wall_s"], 1.5);
+  EXPECT_EQ(json["stats"]["bytes_per_vertex.normals"], 12);
+  EXPECT_EQ(json["warnings"][0]["warning"], "careful");
+}
+
+TEST(DescribeRecord, AnAssetsRecord) {
+  const Json json = described(describeRecord(Json::parse(R"({"asset": "bunny", "recipe": "prt", "stages": {
+        "transfer": {"tool": "transfer", "status": "ran", "reason": "new", "wall_s": 2.0, "cpu_s": 8.0,
+                     "peak_memory_bytes": 1, "warnings": ["w"], "stats": {"rays": 7}},
+        "pack": {"tool": "pack", "status": "not-run", "reason": "transfer failed"}}})"),
+                                             "record.json"));
+  EXPECT_EQ(json["asset"]["name"], "bunny");
+  ASSERT_EQ(json["stages"].size(), 2U);
+  EXPECT_EQ(json["stages"][0]["stage"], "pack");
+  EXPECT_EQ(json["stages"][0]["wall_s"], nullptr);
+  EXPECT_EQ(json["stages"][1]["cpu_s"], 8.0);
+  EXPECT_EQ(json["warnings"][0]["stage"], "transfer");
+  EXPECT_EQ(json["stats_of_transfer"]["rays"], 7);
+}
+
+TEST(DescribeRecord, OtherJsonIsAnError) {
+  EXPECT_THROW(describeRecord(Json::parse(R"({"mesh": "a.obj"})"), "asset.json"), Error);
+  EXPECT_THROW(describeRecord(Json::parse("[1]"), "list.json"), Error);
+  EXPECT_THROW(describeRecord(Json::parse(R"({"tool": "x", "wall_s": "long"})"), "stats.json"), Error);
+}
+
+}  // namespace
+}  // namespace bakelight::inspect

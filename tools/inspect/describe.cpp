@@ -1,0 +1,260 @@
+#include "tools/inspect/describe.h"
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "formats/error.h"
+#include "formats/mesh_ply.h"
+#include "formats/stage_record.h"
+#include "tools/inspect/image_figures.h"
+#include "tools/inspect/mesh_figures.h"
+#include "tools/inspect/tensor_figures.h"
+#include "transport/sh.h"
+
+namespace bakelight::inspect {
+
+using formats::Float3;
+using formats::Json;
+
+namespace {
+
+constexpr double kUnitTolerance = 1e-4;  // of a normal's length, well above a float's rounding
+
+// Through the decimal text, so that 0.8f is 0.8 and not 0.800000011920929.
+Json listOf(const Float3& v) {
+  Json list = Json::array();
+  for (const float element : v) list.push_back(Json::parse(Json(element).dump()));
+  return list;
+}
+
+Section sizeSection(const MeshFigures& figures) {
+  Section size{"size", {}, {}, {}};
+  size.figures = {{"vertices", figures.vertices, ""},
+                  {"triangles", figures.triangles, ""},
+                  {"minimum", listOf(figures.minimum), ""},
+                  {"maximum", listOf(figures.maximum), ""},
+                  {"diagonal", figures.diagonal, ""},
+                  {"area", figures.area, ""},
+                  {"volume", figures.closed ? Json(figures.volume) : Json(), ""}};
+  return size;
+}
+
+Section shapeSection(const MeshFigures& figures) {
+  return {"triangle_shape",
+          {{"shortest_edge", figures.edge_length.minimum(), ""},
+           {"mean_edge", figures.edge_length.mean(), ""},
+           {"longest_edge", figures.edge_length.maximum(), ""},
+           {"smallest_angle_deg", figures.smallest_angle_deg.minimum(), "deg"},
+           {"mean_smallest_angle_deg", figures.smallest_angle_deg.mean(), "deg"},
+           {"degenerate_triangles", figures.degenerate_triangles, ""}},
+          {},
+          {}};
+}
+
+Section topologySection(const MeshFigures& figures) {
+  return {"topology",
+          {{"closed", figures.closed, ""},
+           {"components", figures.components, ""},
+           {"euler_characteristic", figures.euler_characteristic, ""},
+           {"edges", figures.edges, ""},
+           {"borders", figures.borders, ""},
+           {"border_edges", figures.border_edges, ""},
+           {"non_manifold_edges", figures.non_manifold_edges, ""},
+           {"misoriented_edges", figures.misoriented_edges, ""},
+           {"distinct_positions", figures.distinct_positions, ""},
+           {"isolated_vertices", figures.isolated_vertices, ""}},
+          {},
+          {}};
+}
+
+Section attributesSection(const MeshFigures& figures, const std::string& hash) {
+  const bool normals = figures.has_normals;
+  return {"attributes",
+          {{"normals", normals, ""},
+           {"unit_normals", normals ? Json(figures.normal_length_error <= kUnitTolerance) : Json(), ""},
+           {"normal_length_error", normals ? Json(figures.normal_length_error) : Json(), ""},
+           {"texcoords", figures.has_texcoords, ""},
+           {"geometry_hash", hash, ""}},
+          {},
+          {}};
+}
+
+Section bandSection(std::span<const float> vectors, int order) {
+  const std::vector<double> energies = bandEnergies(vectors, order);
+  const double total = std::accumulate(energies.begin(), energies.end(), 0.0);
+  Section section{"energy_per_sh_band", {}, {"band", "mean_energy", "share_percent"}, {}};
+  for (std::size_t l = 0; l < energies.size(); ++l)
+    section.rows.push_back({l, energies[l], total > 0 ? 100 * energies[l] / total : 0.0});
+  return section;
+}
+
+std::string shapeText(const std::vector<std::uint64_t>& shape) {
+  std::string text;
+  for (const std::uint64_t extent : shape) text += (text.empty() ? "" : " × ") + std::to_string(extent);
+  return text.empty() ? "scalar" : text;
+}
+
+// Nested objects become dotted names.
+void flatten(const Json& object, const std::string& prefix, std::vector<Figure>& figures) {
+  for (const auto& [name, value] : object.items()) {
+    if (value.is_object())
+      flatten(value, prefix + name + ".", figures);
+    else
+      figures.push_back({prefix + name, value, ""});
+  }
+}
+
+Section listSection(const std::string& name, const std::string& column,
+                    const std::vector<std::string>& texts) {
+  Section section{name, {}, {column}, {}};
+  for (const std::string& text : texts) section.rows.push_back({text});
+  return section;
+}
+
+Json memberOr(const Json& object, const char* name, Json otherwise) {
+  return object.is_object() && object.contains(name) ? object[name] : otherwise;
+}
+
+std::vector<Section> describeAssetRecord(const Json& json) {
+  std::vector<Section> sections = {{"asset",
+                                    {{"name", memberOr(json, "asset", Json()), ""},
+                                     {"recipe", memberOr(json, "recipe", Json()), ""},
+                                     {"stages", json["stages"].size(), ""}},
+                                    {},
+                                    {}}};
+  Section stages{
+      "stages", {}, {"stage", "tool", "status", "wall_s", "cpu_s", "peak_memory_bytes", "reason"}, {}};
+  Section warnings{"warnings", {}, {"stage", "warning"}, {}};
+  for (const auto& [name, stage] : json["stages"].items()) {
+    std::vector<Json> row = {name};
+    for (std::size_t c = 1; c < stages.columns.size(); ++c)
+      row.push_back(memberOr(stage, stages.columns[c].c_str(), Json()));
+    stages.rows.push_back(std::move(row));
+    for (const Json& warning : memberOr(stage, "warnings", Json::array()))
+      warnings.rows.push_back({name, warning});
+  }
+  sections.push_back(std::move(stages));
+  if (!warnings.rows.empty()) sections.push_back(std::move(warnings));
+  for (const auto& [name, stage] : json["stages"].items()) {
+    Section stats{"stats_of_" + name, {}, {}, {}};
+    flatten(memberOr(stage, "stats", Json::object()), "", stats.figures);
+    if (!stats.figures.empty()) sections.push_back(std::move(stats));
+  }
+  return sections;
+}
+
+}  // namespace
+
+std::vector<Section> describeMesh(const formats::TriangleMesh& mesh, const std::vector<std::string>& notes) {
+  const MeshFigures figures = measureMesh(mesh);
+  std::vector<Section> sections = {sizeSection(figures), shapeSection(figures), topologySection(figures),
+                                   attributesSection(figures, formats::geometryHash(mesh))};
+  if (!notes.empty()) sections.push_back(listSection("notes", "note", notes));
+  return sections;
+}
+
+std::vector<Section> describeImage(const formats::Image& image, const std::string& file) {
+  std::vector<Section> sections = {
+      {"size", {{"width_px", image.width, "px"}, {"height_px", image.height, "px"}}, {}, {}}};
+  Section channels{"channels", {}, {"channel", "minimum", "mean", "maximum", "nan", "infinite"}, {}};
+  const std::vector<Moments> moments = measureChannels(image);
+  for (std::size_t c = 0; c < moments.size(); ++c)
+    channels.rows.push_back({image.channel_names[c], moments[c].minimum(), moments[c].mean(),
+                             moments[c].maximum(), moments[c].nanCount(), moments[c].infiniteCount()});
+  sections.push_back(std::move(channels));
+
+  if (const auto probe = measureProbe(image, file)) {
+    const transport::Vec3& towards = probe->brightest_direction;
+    const double degrees = 180 / std::numbers::pi;
+    sections.push_back({"as_lat_long_probe",
+                        {{"mean_radiance", probe->mean_radiance, ""},
+                         {"brightest_radiance", probe->brightest_radiance, ""},
+                         {"brightest_direction", {towards.x(), towards.y(), towards.z()}, ""},
+                         {"brightest_yaw_deg", std::atan2(towards.x(), towards.z()) * degrees, "deg"},
+                         {"brightest_elevation_deg", std::asin(towards.y()) * degrees, "deg"},
+                         {"dynamic_range_stops", probe->dynamic_range_stops, "stops"}},
+                        {},
+                        {}});
+  }
+  return sections;
+}
+
+std::vector<Section> describeTensors(const formats::TensorFile& file) {
+  Section table{
+      "tensors", {}, {"tensor", "type", "shape", "minimum", "mean", "maximum", "rms", "nan", "infinite"}, {}};
+  for (const auto& [name, tensor] : file.tensors) {
+    const Moments moments = measureTensor(tensor);
+    table.rows.push_back({name, formats::safetensorsName(tensor.type), shapeText(tensor.shape),
+                          moments.minimum(), moments.mean(), moments.maximum(), moments.rootMeanSquare(),
+                          moments.nanCount(), moments.infiniteCount()});
+  }
+  std::vector<Section> sections = {std::move(table)};
+  if (!file.metadata.empty()) {
+    Section metadata{"metadata", {}, {}, {}};
+    for (const auto& [key, value] : file.metadata) metadata.figures.push_back({key, value, ""});
+    sections.push_back(std::move(metadata));
+  }
+  const auto transfer = file.tensors.find("transfer");
+  if (transfer != file.tensors.end() && transfer->second.type == formats::ElementType::kFloat32 &&
+      transfer->second.shape.size() == 2 && transfer->second.elementCount() > 0) {
+    if (const int order = orderOfColumns(transfer->second.shape[1]))
+      sections.push_back(bandSection(transfer->second.as<float>(), order));
+  }
+  return sections;
+}
+
+std::vector<Section> describePack(const formats::Pack& pack, std::span<const std::byte> bytes,
+                                  const std::string& file) {
+  const auto vertices = static_cast<double>(pack.mesh.vertexCount());
+  std::vector<Section> sections = {{"pack",
+                                    {{"version", formats::kPackVersion, ""},
+                                     {"extension", "BAKELIGHT_radiance_transfer", ""},
+                                     {"name", pack.name, ""},
+                                     {"base_color", listOf(pack.base_color), "linear"},
+                                     {"bytes_per_vertex", static_cast<double>(bytes.size()) / vertices, ""}},
+                                    {},
+                                    {}}};
+  // packSections throws unless every checksum holds.
+  Section table{"sections",
+                {},
+                {"section", "offset_bytes", "size_bytes", "bytes_per_vertex", "checksum", "verified"},
+                {}};
+  for (const formats::PackSection& section : formats::packSections(bytes, file))
+    table.rows.push_back({section.name, section.offset_bytes, section.size_bytes,
+                          static_cast<double>(section.size_bytes) / vertices, section.checksum, true});
+  sections.push_back(std::move(table));
+  sections.push_back({"transfer",
+                      {{"order", pack.transfer.order, "bands"},
+                       {"coefficients", transport::coefficientCount(pack.transfer.order), ""},
+                       {"visibility", pack.transfer.visibility, ""}},
+                      {},
+                      {}});
+  sections.push_back(bandSection(pack.transfer.vectors, pack.transfer.order));
+  for (Section& section : describeMesh(pack.mesh, {})) sections.push_back(std::move(section));
+  return sections;
+}
+
+std::vector<Section> describeRecord(const Json& json, const std::string& file) {
+  if (memberOr(json, "stages", Json()).is_object() && json.contains("asset"))
+    return describeAssetRecord(json);
+  if (!memberOr(json, "tool", Json()).is_string() || !json.contains("wall_s"))
+    throw badInput({file, "", ""}, "this JSON is no record of a run",
+                   "a stage's stats.json or an asset's record.json",
+                   "recipes and asset.json are text: open them in an editor");
+  const formats::StageRecord record = formats::stageRecordFromJson(json, file);
+  std::vector<Section> sections = {{"run",
+                                    {{"tool", record.tool, ""},
+                                     {"wall_s", record.wall_s, "s"},
+                                     {"cpu_s", record.cpu_s, "s"},
+                                     {"peak_memory_bytes", record.peak_memory_bytes, "bytes"}},
+                                    {},
+                                    {}}};
+  Section stats{"stats", {}, {}, {}};
+  flatten(record.stats, "", stats.figures);
+  if (!stats.figures.empty()) sections.push_back(std::move(stats));
+  if (!record.warnings.empty()) sections.push_back(listSection("warnings", "warning", record.warnings));
+  return sections;
+}
+
+}  // namespace bakelight::inspect

@@ -1,0 +1,76 @@
+#include "tools/inspect/file_kind.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "formats/error.h"
+#include "formats/file.h"
+#include "formats/json.h"
+#include "formats/mesh_import.h"
+
+namespace bakelight::inspect {
+namespace {
+
+const std::vector<std::string>& imageEndings() {
+  static const std::vector<std::string> endings = {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tif", ".tiff"};
+  return endings;
+}
+
+bool contains(const std::vector<std::string>& endings, const std::string& ending) {
+  return std::find(endings.begin(), endings.end(), ending) != endings.end();
+}
+
+std::string listed(const std::vector<std::string>& endings) {
+  std::string text;
+  for (const std::string& ending : endings) text += (text.empty() ? "" : " ") + ending;
+  return text;
+}
+
+// A pack says so by name in its JSON chunk, which stands before all binary data.
+bool isPack(const std::filesystem::path& path) {
+  const formats::Bytes bytes = formats::readFile(path);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return text.starts_with("glTF") && text.find("BAKELIGHT_radiance_transfer") != std::string_view::npos;
+}
+
+}  // namespace
+
+const char* nameOf(FileKind kind) {
+  switch (kind) {
+    case FileKind::kMesh:
+      return "mesh";
+    case FileKind::kImage:
+      return "image";
+    case FileKind::kTensors:
+      return "tensors";
+    case FileKind::kPack:
+      return "pack";
+    case FileKind::kRecord:
+      return "record";
+  }
+  return "";
+}
+
+FileKind kindOfFile(const std::filesystem::path& path) {
+  if (!std::filesystem::is_regular_file(path))
+    throw badInput({path.string(), "", ""}, "there is no such file", "a file to look into");
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (ending == ".glb" && isPack(path)) return FileKind::kPack;
+  if (contains(formats::meshFileEndings(), ending)) return FileKind::kMesh;
+  if (contains(imageEndings(), ending)) return FileKind::kImage;
+  if (ending == ".safetensors") return FileKind::kTensors;
+  if (ending == ".json") return FileKind::kRecord;
+  throw badInput({path.string(), "", ""},
+                 ending.empty() ? "its name has no ending that says what it is"
+                                : "nothing here opens " + ending + " files",
+                 "a mesh (" + listed(formats::meshFileEndings()) + "), an image (" + listed(imageEndings()) +
+                     "), .safetensors, a pack (.glb), or a stage's stats.json or an asset's record.json",
+                 "give the file its usual ending");
+}
+
+}  // namespace bakelight::inspect

@@ -1,0 +1,15 @@
+// What kind of file a path is, by its ending, and by content where an ending has two meanings.
+#pragma once
+
+#include <filesystem>
+
+namespace bakelight::inspect {
+
+enum class FileKind { kMesh, kImage, kTensors, kPack, kRecord };
+
+const char* nameOf(FileKind kind);  // "mesh", "image", "tensors", "pack", "record"
+
+// Throws Error(kBadInput) that lists what inspect opens, or that the file cannot be read.
+FileKind kindOfFile(const std::filesystem::path& path);
+
+}  // namespace bakelight::inspect

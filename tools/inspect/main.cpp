@@ -1,0 +1,30 @@
+#include <iostream>
+
+#include "formats/image.h"
+#include "tools/inspect/inspect.h"
+#include "tools/stage/stage.h"
+
+using namespace bakelight;
+
+int main(int argc, char** argv) {
+  std::filesystem::path file_path, preview_path;
+  inspect::PreviewOptions options;
+  std::string format = "text";
+
+  stage::Tool tool("inspect", "Says what is in a mesh, image, tensor file, pack or record, and draws it.");
+  tool.input("file", "any", file_path, "File to look into")
+      .output("preview", "image", preview_path, "PNG picture of the content", false)
+      .parameter("format", format, {"text", "json"}, "How to print the summary")
+      .parameter("size", options.size_px, {16, 8192}, "px", "Longer side of the preview")
+      .parameter("yaw_deg", options.yaw_deg, {-360, 360}, "deg", "Camera angle around +Y, 0 stands at +Z")
+      .parameter("pitch_deg", options.pitch_deg, {-89, 89}, "deg", "Camera angle above the horizon");
+
+  return tool.run(argc, argv, [&](stage::Run&) {
+    const bool draws = !preview_path.empty();
+    const inspect::Inspection inspection =
+        inspect::inspectFile(file_path, draws ? std::optional(options) : std::nullopt);
+    if (draws) formats::writePng(preview_path, inspection.preview->image);
+    std::cout << (format == "json" ? inspect::asJson(inspection.summary).dump(2) + "\n"
+                                   : inspect::asText(inspection.summary));
+  });
+}

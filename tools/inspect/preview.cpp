@@ -1,0 +1,250 @@
+#include "tools/inspect/preview.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "formats/error.h"
+#include "tools/inspect/image_figures.h"
+#include "tools/inspect/mesh_figures.h"
+#include "tools/inspect/tensor_figures.h"
+#include "transport/color.h"
+#include "transport/cpu_renderer.h"
+#include "transport/evaluator.h"
+#include "transport/lights.h"
+
+namespace bakelight::inspect {
+
+using formats::Float3;
+using formats::Image;
+using formats::TriangleMesh;
+using transport::Vec3;
+using transport::vec3;
+
+namespace {
+
+constexpr double kMiddleValue = 0.4;  // linear; where the mean goes, as in the player
+constexpr int kSupersampling = 3;
+constexpr float kClayAlbedo = 0.65f;  // so that the lit side keeps its form
+constexpr float kBackdropRadiance = 0.03f;
+constexpr std::array<float, 3> kNotFiniteColor = {1, 0, 1};
+
+std::string format(const char* pattern, double value) {
+  char text[128];
+  std::snprintf(text, sizeof text, pattern, value);
+  return text;
+}
+
+// --- renders ---
+
+double meanLuminance(const transport::ShLight& light) {
+  return luminance(light[0][0], light[0][1], light[0][2]) / std::sqrt(4 * std::numbers::pi);
+}
+
+Image render(const TriangleMesh& mesh, const std::vector<Float3>& vertex_radiance, double exposure,
+             const PreviewOptions& options, const std::string& file) {
+  const transport::BoundingSphere bounds = transport::boundingSphere(mesh);
+  if (!(bounds.radius > 0) || mesh.triangles.empty())
+    throw badInput({file, "", ""}, "the mesh has no extent, there is nothing to see",
+                   "at least one triangle");
+  const auto camera = transport::frameSphere(bounds, options.yaw_deg, options.pitch_deg, 35, 1);
+  const transport::RayScene scene(mesh);
+  const auto backdrop = [exposure](const Vec3&) {
+    const auto grey = static_cast<float>(kBackdropRadiance / exposure);
+    return formats::Float4{grey, grey, grey, 1};
+  };
+  const transport::CpuPicture picture = transport::renderOnCpu(
+      mesh, scene, vertex_radiance, camera, {options.size_px, options.size_px, kSupersampling}, backdrop);
+  return transport::encodeForDisplay(picture.linear, static_cast<float>(exposure));
+}
+
+// Area-weighted over all triangles that meet at a position.
+std::vector<Float3> smoothNormals(const TriangleMesh& mesh) {
+  const std::vector<std::uint32_t> first = firstVertexAtPosition(mesh);
+  std::vector<Vec3> sums(mesh.vertexCount(), Vec3::Zero());
+  for (const formats::Triangle& t : mesh.triangles) {
+    const Vec3 a = vec3(mesh.positions[t[0]]);
+    const Vec3 normal = (vec3(mesh.positions[t[1]]) - a).cross(vec3(mesh.positions[t[2]]) - a);
+    for (const std::uint32_t vertex : t) sums[first[vertex]] += normal;
+  }
+  std::vector<Float3> normals(mesh.vertexCount());
+  for (std::size_t i = 0; i < normals.size(); ++i)
+    normals[i] =
+        transport::float3(sums[first[i]].norm() > 0 ? sums[first[i]].normalized() : Vec3(Vec3::UnitY()));
+  return normals;
+}
+
+// --- pictures from arrays of another size ---
+
+struct Cells {
+  std::size_t begin, end;
+};
+
+// The source cells that a pixel covers: several when shrinking, one (repeated) when enlarging.
+Cells coveredBy(int pixel, int pixels, std::size_t cells) {
+  const std::size_t begin = static_cast<std::size_t>(pixel) * cells / static_cast<std::size_t>(pixels);
+  const std::size_t end = static_cast<std::size_t>(pixel + 1) * cells / static_cast<std::size_t>(pixels);
+  return {begin, std::max(end, begin + 1)};
+}
+
+// Sides of an image of that shape whose longer side is `size_px`.
+std::array<int, 2> fittedSize(int width, int height, int size_px) {
+  const double scale = static_cast<double>(size_px) / std::max(width, height);
+  return {std::max(1, static_cast<int>(std::lround(width * scale))),
+          std::max(1, static_cast<int>(std::lround(height * scale)))};
+}
+
+// Mean of `channels` over each pixel's texels; NaN if one of them is not finite.
+Image resampled(const Image& image, const std::array<std::size_t, 3>& channels, int size_px) {
+  const auto [width, height] = fittedSize(image.width, image.height, size_px);
+  Image result(width, height, {"R", "G", "B"});
+  for (int y = 0; y < height; ++y) {
+    const Cells rows = coveredBy(y, height, static_cast<std::size_t>(image.height));
+    for (int x = 0; x < width; ++x) {
+      const Cells columns = coveredBy(x, width, static_cast<std::size_t>(image.width));
+      const auto texels = static_cast<double>((rows.end - rows.begin) * (columns.end - columns.begin));
+      for (std::size_t c = 0; c < 3; ++c) {
+        double sum = 0;
+        for (std::size_t row = rows.begin; row < rows.end; ++row)
+          for (std::size_t column = columns.begin; column < columns.end; ++column)
+            sum += image.texel(static_cast<int>(column), static_cast<int>(row))[channels[c]];
+        result.texel(x, y)[c] = std::isfinite(sum) ? static_cast<float>(sum / texels) : std::nanf("");
+      }
+    }
+  }
+  return result;
+}
+
+// Applies `encode` to each value of a pixel whose three values are finite.
+template <class Encode>
+void encodePixels(Image& image, const Encode& encode) {
+  for (std::size_t i = 0; i < image.values.size(); i += 3) {
+    const bool finite = std::isfinite(image.values[i]) && std::isfinite(image.values[i + 1]) &&
+                        std::isfinite(image.values[i + 2]);
+    for (std::size_t c = 0; c < 3; ++c)
+      image.values[i + c] = finite ? encode(image.values[i + c]) : kNotFiniteColor[c];
+  }
+}
+
+// A cool-to-warm diverging map (end colours of Moreland 2009), white in the middle, so that small values of
+// either sign show.
+std::array<float, 3> divergingColor(double value) {
+  constexpr std::array<double, 3> kCool = {0.230, 0.299, 0.754}, kWarm = {0.706, 0.016, 0.150};
+  if (!std::isfinite(value)) return kNotFiniteColor;
+  const auto& end = value < 0 ? kCool : kWarm;
+  const double amount = std::sqrt(std::min(std::abs(value), 1.0));
+  std::array<float, 3> color{};
+  for (std::size_t c = 0; c < 3; ++c) color[c] = static_cast<float>(1 + amount * (end[c] - 1));
+  return color;
+}
+
+bool isTable(const formats::Tensor& tensor) {
+  return tensor.shape.size() == 2 && tensor.elementCount() > 0;
+}
+
+const std::pair<const std::string, formats::Tensor>& tableOf(const formats::TensorFile& tensors,
+                                                             const std::string& file) {
+  const auto named = tensors.tensors.find("transfer");
+  if (named != tensors.tensors.end() && isTable(named->second)) return *named;
+  for (const auto& entry : tensors.tensors)
+    if (isTable(entry.second)) return entry;
+  throw badInput({file, "", ""}, "no tensor is a table, there is nothing to draw",
+                 "a tensor of two dimensions", "leave out --preview");
+}
+
+}  // namespace
+
+Preview previewMesh(const TriangleMesh& mesh, const PreviewOptions& options, const std::string& file) {
+  constexpr int kOrder = 3;  // clamped-cosine shading lives in three bands
+  const std::vector<Float3> normals = mesh.normals.empty() ? smoothNormals(mesh) : mesh.normals;
+  const std::vector<double> factors = transport::clampedCosineFactors(kOrder);
+  std::vector<float> vectors;
+  for (const Float3& normal : normals) {
+    const std::vector<double> basis = transport::evaluateSh(kOrder, vec3(normal));
+    for (int l = 0; l < kOrder; ++l)
+      for (int m = -l; m <= l; ++m)
+        vectors.push_back(static_cast<float>(kClayAlbedo * factors[l] / std::numbers::pi *
+                                             basis[transport::coefficientIndex(l, m)]));
+  }
+  const transport::ShLight light = transport::defaultLight(kOrder);
+  const double exposure = kMiddleValue / meanLuminance(light);
+  return {render(mesh, transport::evaluateDiffuse(vectors, kOrder, light), exposure, options, file),
+          mesh.normals.empty() ? "clay without shadows, with normals made for this picture"
+                               : "clay without shadows, with the file's normals"};
+}
+
+Preview previewPack(const formats::Pack& pack, const PreviewOptions& options, const std::string& file) {
+  const transport::ShLight light = transport::defaultLight(pack.transfer.order);
+  std::vector<Float3> radiance =
+      transport::evaluateDiffuse(pack.transfer.vectors, pack.transfer.order, light);
+  for (Float3& vertex : radiance)
+    for (std::size_t c = 0; c < 3; ++c) vertex[c] *= pack.base_color[c];
+  const double exposure = kMiddleValue / meanLuminance(light);
+  return {render(pack.mesh, radiance, exposure, options, file),
+          "the pack's transfer under the default light" + format(", exposure %+.2f EV", std::log2(exposure))};
+}
+
+Preview previewImage(const Image& image, bool display_encoded, const PreviewOptions& options) {
+  const auto color = colorChannels(image);
+  const bool grey_scaled = !color || (image.channelCount() == 1 && !display_encoded);
+  Preview preview{
+      resampled(image, grey_scaled ? std::array<std::size_t, 3>{0, 0, 0} : *color, options.size_px), ""};
+  if (grey_scaled) {
+    const Moments channel = measureChannels(image).front();
+    const double low = channel.minimum(), extent = channel.maximum() - low;
+    encodePixels(preview.image,
+                 [&](float value) { return extent > 0 ? static_cast<float>((value - low) / extent) : 0.5f; });
+    preview.caption = "channel " + image.channel_names.front() + format(": black is %g", low) +
+                      format(", white is %g", channel.maximum());
+  } else if (display_encoded) {
+    encodePixels(preview.image, [](float value) { return value; });
+    preview.caption = "values as they stand";
+  } else {
+    Moments values;
+    for (std::size_t i = 0; i < preview.image.values.size(); i += 3)
+      values.add(
+          luminance(preview.image.values[i], preview.image.values[i + 1], preview.image.values[i + 2]));
+    const double exposure = values.mean() > 0 ? kMiddleValue / values.mean() : 1;
+    encodePixels(preview.image, [&](float value) {
+      return transport::srgbFromLinear(static_cast<float>(value * exposure));
+    });
+    preview.caption = "sRGB" + format(", exposure %+.2f EV", std::log2(exposure));
+  }
+  return preview;
+}
+
+Preview previewTensors(const formats::TensorFile& tensors, const PreviewOptions& options,
+                       const std::string& file) {
+  const auto& [name, tensor] = tableOf(tensors, file);
+  const std::uint64_t row_count = tensor.shape[0], column_count = tensor.shape[1];
+  const Moments moments = measureTensor(tensor);
+  const double scale = std::max(std::abs(moments.minimum()), std::abs(moments.maximum()));
+  const int order = orderOfColumns(column_count);
+
+  Image image(options.size_px, options.size_px, {"R", "G", "B"});
+  for (int x = 0; x < image.width; ++x) {
+    const Cells columns = coveredBy(x, image.width, column_count);
+    const auto band = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(columns.begin)));
+    const bool starts_column = x > 0 && coveredBy(x - 1, image.width, column_count).begin != columns.begin;
+    const bool starts_band = order > 0 && starts_column && band * band == columns.begin;
+    for (int y = 0; y < image.height; ++y) {
+      const Cells rows = coveredBy(y, image.height, row_count);
+      double sum = 0;
+      for (std::uint64_t row = rows.begin; row < rows.end; ++row)
+        for (std::uint64_t column = columns.begin; column < columns.end; ++column)
+          sum += elementOf(tensor, row * column_count + column);
+      const auto cells = static_cast<double>((rows.end - rows.begin) * (columns.end - columns.begin));
+      const auto color = starts_band ? std::array<float, 3>{0.25f, 0.25f, 0.25f}
+                                     : divergingColor(scale > 0 ? sum / cells / scale : 0);
+      std::copy(color.begin(), color.end(), image.texel(x, y));
+    }
+  }
+  std::string caption = "tensor " + name + ", rows down, columns across" +
+                        (order > 0 ? ", lines between SH bands" : "") + format(": blue is %.4g", -scale) +
+                        format(", white is 0, red is %.4g; colour grows with the square root", scale);
+  return {std::move(image), std::move(caption)};
+}
+
+}  // namespace bakelight::inspect

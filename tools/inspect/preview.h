@@ -1,0 +1,43 @@
+// A picture of what a file holds.
+#pragma once
+
+#include <string>
+
+#include "formats/image.h"
+#include "formats/pack.h"
+#include "formats/tensors.h"
+#include "formats/triangle_mesh.h"
+
+namespace bakelight::inspect {
+
+struct PreviewOptions {
+  int size_px = 512;  // of the longer side; renders are square
+  // Of the camera around a mesh or a pack (transport::OrbitCamera).
+  double yaw_deg = 25, pitch_deg = 15;
+};
+
+struct Preview {
+  formats::Image image;  // display-encoded, as formats::writePng takes it
+  std::string caption;   // what the colours mean
+};
+
+// Clay under transport::defaultLight, without shadows; normals of the mesh, or smooth ones if it has
+// none. Throws Error(kBadInput) naming `file` if the mesh has no extent.
+Preview previewMesh(const formats::TriangleMesh& mesh, const PreviewOptions& options,
+                    const std::string& file);
+
+// The pack's own transfer under transport::defaultLight, as the player shows it. Throws like previewMesh.
+Preview previewPack(const formats::Pack& pack, const PreviewOptions& options, const std::string& file);
+
+// Colour at an exposure that brings the mean to a middle value, or codes as they stand if `display_encoded`;
+// without R, G and B the first channel in grey, scaled from its least to its largest value. Values that are
+// not finite are magenta.
+Preview previewImage(const formats::Image& image, bool display_encoded, const PreviewOptions& options);
+
+// The tensor "transfer", or else the first table: rows down (averaged where they outnumber the pixels),
+// columns across, blue below 0, white at 0, red above; dark lines between SH bands. Throws Error(kBadInput)
+// naming `file` if there is no table.
+Preview previewTensors(const formats::TensorFile& tensors, const PreviewOptions& options,
+                       const std::string& file);
+
+}  // namespace bakelight::inspect
