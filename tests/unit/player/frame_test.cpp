@@ -49,7 +49,8 @@ TEST(Frame, ImageOfTheDefaultLightProjectsBackToIt) {
   const auto projected = transport::projectLatLong(environment.image, 3, "default");
   ASSERT_EQ(projected.size(), 9u);
   for (std::size_t i = 0; i < 9; ++i)
-    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(projected[i][c], environment.light[i][c], 0.01 * environment.light[0][c]) << i;
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(projected[i][c], environment.light[i][c], 0.01 * environment.light[0][c]) << i;
 }
 
 TEST(Frame, EnvironmentKeepsColoursWhateverTheirLayerAndOrder) {
