@@ -49,8 +49,9 @@ class AssetStages {
       }
       const ErrorPlace place = from_options ? ErrorPlace{"--deliver " + asked[i], "", ""}
                                             : ErrorPlace{asset_.file, "", "/deliver/" + std::to_string(i)};
-      problems_.add(badInput(place, "the recipe " + recipe_.name + " delivers no \"" + asked[i] + "\"",
-                             "one of: " + join(all, ", "), suggestion(asked[i], all)));
+      problems_.add(Error(from_options ? ExitStatus::kUsage : ExitStatus::kBadInput, place,
+                          "the recipe " + recipe_.name + " delivers no \"" + asked[i] + "\"",
+                          "one of: " + join(all, ", "), suggestion(asked[i], all)));
     }
   }
 
@@ -199,11 +200,13 @@ class AssetStages {
     const bool is_text = parameter != nullptr && parameter->type == formats::ParameterType::kText;
     Json value = is_text ? Json(setting.value) : Json::parse(setting.value, nullptr, false);
     if (value.is_discarded()) value = setting.value;
-    const ErrorPlace place{setting.option, "", ""};
-    if (parameter == nullptr)
-      formats::checkParameters(tool, {{setting.parameter, value}}, place);
-    else
-      values[setting.parameter] = formats::checkParameter(*parameter, value, place);
+    try {
+      values.update(formats::checkParameters(tool, {{setting.parameter, value}}, {setting.option, "", ""}));
+    } catch (const Error& error) {
+      // The same words as for a file, but it is the command line that is wrong.
+      throw Error(ExitStatus::kUsage, {setting.option, "", ""}, error.problem(), error.expected(),
+                  error.remedy());
+    }
   }
 
   Graph& graph_;
@@ -242,8 +245,9 @@ void checkSettings(const Graph& graph, const std::vector<Setting>& settings, Pro
   const std::vector<std::string> names(stages.begin(), stages.end());
   for (const Setting& setting : settings)
     if (stages.count(setting.stage) == 0)
-      problems.add(badInput({setting.option, "", ""}, "there is no stage \"" + setting.stage + "\"",
-                            "one of: " + join(names, ", "), suggestion(setting.stage, names)));
+      problems.add(Error(ExitStatus::kUsage, {setting.option, "", ""},
+                         "there is no stage \"" + setting.stage + "\"", "one of: " + join(names, ", "),
+                         suggestion(setting.stage, names)));
 }
 
 }  // namespace

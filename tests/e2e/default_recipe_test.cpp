@@ -31,9 +31,13 @@ struct Outcome {
   std::string output;  // standard output and error, interleaved
 };
 
-Outcome shell(const std::string& command) {
+// The words, joined by spaces, as a shell sees them.
+Outcome shell(const std::vector<std::string>& words) {
+  std::string command;
+  for (const auto& word : words) command.append(word).append(" ");
+  command.append("2>&1");
   Outcome outcome;
-  FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
+  FILE* pipe = ::popen(command.c_str(), "r");
   std::array<char, 4096> block{};
   while (const std::size_t got = std::fread(block.data(), 1, block.size(), pipe))
     outcome.output.append(block.data(), got);
@@ -43,7 +47,7 @@ Outcome shell(const std::string& command) {
 }
 
 std::string quoted(const fs::path& path) {
-  return "'" + path.string() + "'";
+  return std::string("'").append(path.string()).append("'");
 }
 
 class Driver {
@@ -67,8 +71,8 @@ class Driver {
 
  private:
   Outcome call(const std::string& command, const fs::path& asset, const std::string& options) const {
-    return shell(quoted(kBin / "bakelight") + " " + command + " " + quoted(asset) + " --out " + quoted(out_) +
-                 " --data " + quoted(kData) + " " + options);
+    return shell({quoted(kBin / "bakelight"), command, quoted(asset), "--out", quoted(out_), "--data",
+                  quoted(kData), options});
   }
   fs::path out_;
 };
@@ -118,8 +122,7 @@ TEST_F(DefaultRecipe, SecondRunAndTouchDoNothing) {
   const Outcome second = driver_->run(kBunny);
   EXPECT_EQ(second.status, 0);
   EXPECT_THAT(second.output, testing::HasSubstr("up to date"));
-  ASSERT_EQ(shell("touch " + quoted(kData / "models/bunny.obj") + " " + quoted(kBunny / "asset.json")).status,
-            0);
+  ASSERT_EQ(shell({"touch", quoted(kData / "models/bunny.obj"), quoted(kBunny / "asset.json")}).status, 0);
   EXPECT_THAT(driver_->run(kBunny).output, testing::HasSubstr("up to date"));
   EXPECT_EQ(driver_->statuses("bunny"),
             Json({{"simplify", "cached"}, {"transfer", "cached"}, {"pack", "cached"}, {"frame", "cached"}}));
@@ -223,10 +226,9 @@ TEST_F(BadInput, MissingProbe) {
 
 // A limit on file sizes fails writes as a full disk does.
 TEST_F(BadInput, FullDisk) {
-  const std::string command = "ulimit -f 200; trap '' XFSZ; exec " + quoted(kBin / "bakelight") + " run " +
-                              quoted(assetWith(R"({"mesh": "bunny.obj"})")) + " --out " +
-                              quoted(driver_.out());
-  const Outcome outcome = shell("bash -c \"" + command + "\"");
+  const fs::path asset = assetWith(R"({"mesh": "bunny.obj"})");
+  const Outcome outcome = shell({"(ulimit -f 200; trap '' XFSZ; exec", quoted(kBin / "bakelight"), "run",
+                                 quoted(asset), "--out", quoted(driver_.out()), ")"});
   expectError(outcome, 4, {"mesh.ply"});
   expectNoDeliverable("thing");
   // With room again, the same command goes through.

@@ -167,7 +167,7 @@ TEST_F(Driver, UsageAndInputMistakesBeforeAnythingIsMade) {
   EXPECT_EQ(run("run").status, 1);
   EXPECT_EQ(run("bake cube").status, 1);
   EXPECT_EQ(run("run cube --set nonsense").status, 1);
-  EXPECT_EQ(run("run cube --set copy.level=10").status, 2);
+  EXPECT_EQ(run("run cube --set copy.level=10").status, 1);
   EXPECT_EQ(run("run nowhere").status, 2);
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
