@@ -177,6 +177,7 @@ bool isIgnored(const CompareLimits& limits, const std::string& key) {
 template <class Map>
 std::vector<std::string> keysOf(const Map& map) {
   std::vector<std::string> keys;
+  keys.reserve(map.size());
   for (const auto& [key, value] : map) keys.push_back(key);
   return keys;
 }
@@ -290,7 +291,7 @@ Comparison compareImages(const Image& image, const Image& reference, const Compa
   std::vector<ValueDifference> channels(image.channelCount());
   for (std::size_t i = 0; i < image.values.size(); ++i)
     channels[i % channels.size()].add(image.values[i], reference.values[i]);
-  const double texels = static_cast<double>(image.values.size() / channels.size());
+  const auto texels = static_cast<double>(image.width) * image.height;
   for (std::size_t c = 0; c < channels.size(); ++c) {
     const std::string name = "channel " + image.channel_names[c];
     comparison.differences.push_back({name + ", maximum", channels[c].maximum, limits.maximum});

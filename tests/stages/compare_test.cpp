@@ -1,0 +1,237 @@
+#include "formats/compare.h"
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "formats/error.h"
+#include "formats/mesh_ply.h"
+#include "tests/stages/scenes.h"
+
+namespace bakelight::formats {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const Difference& differenceCalled(const Comparison& comparison, const std::string& what) {
+  for (const Difference& difference : comparison.differences)
+    if (difference.what == what) return difference;
+  throw std::runtime_error("no difference is called " + what);
+}
+
+std::string failingDifferences(const Comparison& comparison) {
+  std::string names;
+  for (const Difference& difference : comparison.differences)
+    if (!difference.passes()) names += difference.what + ";";
+  return names;
+}
+
+TensorFile tensorsOf(std::vector<float> values, std::vector<std::uint64_t> shape = {2, 2}) {
+  TensorFile file;
+  file.tensors["a"] = Tensor::from<float>(ElementType::kFloat32, std::move(shape), values);
+  file.metadata = {{"order", "1"}, {"mesh_hash", "x"}};
+  return file;
+}
+
+Pack packOf(const TriangleMesh& mesh) {
+  Pack pack{"two", mesh, {0.5f, 0.5f, 0.5f}, {1, "unshadowed", {}}};
+  pack.transfer.vectors.assign(mesh.vertexCount(), 0.25f);
+  return pack;
+}
+
+TEST(CompareMeshes, EqualMeshesPassWithoutTolerance) {
+  const TriangleMesh mesh = stages::twoSpheres(2);
+  const Comparison comparison = compareMeshes(mesh, mesh, {});
+  EXPECT_TRUE(comparison.passes());
+  EXPECT_EQ(comparison.compared_values, 132U + 256U);
+  EXPECT_EQ(comparison.differences.size(), 3U);
+}
+
+TEST(CompareMeshes, MeasuresTheLargestMoveOverTheDiagonal) {
+  const TriangleMesh reference = stages::sphere(1);
+  TriangleMesh mesh = reference;
+  mesh.positions[0] = {1.125f, 0, 0};  // away from all others
+  const Comparison comparison = compareMeshes(mesh, reference, {.distance = 0.01});
+  EXPECT_FALSE(comparison.passes());
+  EXPECT_DOUBLE_EQ(differenceCalled(comparison, "vertices, distance").measured, 0.125 / std::sqrt(12.0));
+  EXPECT_TRUE(compareMeshes(mesh, reference, {.distance = 0.04}).passes());
+}
+
+TEST(CompareMeshes, BothDirectionsCount) {
+  // Each vertex of `doubled` lies on one of `reference`, but not the other way round.
+  const TriangleMesh reference = stages::sphere(0);
+  TriangleMesh doubled = reference;
+  doubled.positions[1] = doubled.positions[0];
+  EXPECT_GT(differenceCalled(compareMeshes(doubled, reference, {}), "vertices, distance").measured, 0.1);
+  EXPECT_GT(differenceCalled(compareMeshes(reference, doubled, {}), "vertices, distance").measured, 0.1);
+}
+
+TEST(CompareMeshes, OrderOfVerticesDoesNotCountButConnectionsDo) {
+  const TriangleMesh reference = stages::sphere(1);
+  TriangleMesh reordered = reference;
+  std::reverse(reordered.positions.begin(), reordered.positions.end());
+  std::reverse(reordered.normals.begin(), reordered.normals.end());
+  const auto last = static_cast<std::uint32_t>(reference.vertexCount() - 1);
+  for (Triangle& t : reordered.triangles) t = {last - t[0], last - t[1], last - t[2]};
+  EXPECT_TRUE(compareMeshes(reordered, reference, {.distance = 1e-7}).passes());
+
+  TriangleMesh rewired = reference;
+  rewired.triangles[0] = rewired.triangles[1];
+  EXPECT_EQ(failingDifferences(compareMeshes(rewired, reference, {})), "triangles, distance;");
+}
+
+TEST(CompareMeshes, CountsAndAttributesAgreeExactly) {
+  const TriangleMesh reference = stages::sphere(1);
+  TriangleMesh fewer = reference, bare = reference;
+  fewer.triangles.pop_back();
+  bare.normals.clear();
+  EXPECT_THAT(compareMeshes(fewer, reference, {.distance = 1}).mismatches,
+              Contains("triangles: 31, the reference has 32"));
+  EXPECT_FALSE(compareMeshes(fewer, reference, {.distance = 1}).passes());
+  EXPECT_FALSE(compareMeshes(bare, reference, {.distance = 1, .normal = 2}).passes());
+}
+
+TEST(CompareMeshes, ATurnedNormalShows) {
+  const TriangleMesh reference = stages::sphere(1);
+  TriangleMesh mesh = reference;
+  mesh.normals[5] = {0, 0, 1};  // was −z
+  const Comparison comparison = compareMeshes(mesh, reference, {.normal = 1.9});
+  EXPECT_EQ(failingDifferences(comparison), "normals, difference;");
+  EXPECT_DOUBLE_EQ(differenceCalled(comparison, "normals, difference").measured, 2);
+}
+
+TEST(CompareMeshes, NormalsAtACreaseFindTheirCounterpart) {
+  TriangleMesh creased = stages::sphere(0);
+  creased.positions.push_back(creased.positions[0]);
+  creased.normals.push_back({0, 1, 0});
+  creased.triangles[0][0] = 6;
+  EXPECT_TRUE(compareMeshes(creased, creased, {}).passes());
+}
+
+TEST(CompareMeshes, NothingComparedIsAFailure) {
+  EXPECT_FALSE(compareMeshes({}, {}, {.distance = 1}).passes());
+  EXPECT_FALSE(Comparison().passes());
+}
+
+TEST(CompareImages, MeasuresMaximumAndRmsOfEachChannel) {
+  Image reference(4, 1, {"R", "G"});
+  Image image = reference;
+  image.texel(2, 0)[1] = 0.5f;
+  const Comparison comparison = compareImages(image, reference, {.maximum = 0.5, .rms = 0.2});
+  EXPECT_EQ(failingDifferences(comparison), "channel G, rms;");
+  EXPECT_DOUBLE_EQ(differenceCalled(comparison, "channel G, maximum").measured, 0.5);
+  EXPECT_DOUBLE_EQ(differenceCalled(comparison, "channel G, rms").measured, 0.25);
+  EXPECT_TRUE(compareImages(image, reference, {.maximum = 0.5, .rms = 0.25}).passes());
+}
+
+TEST(CompareImages, SizeAndChannelNamesAgreeExactly) {
+  const Image reference(2, 2, {"R", "G"});
+  EXPECT_TRUE(compareImages(reference, reference, {}).passes());
+  EXPECT_FALSE(compareImages(Image(2, 2, {"R", "B"}), reference, {}).passes());
+  EXPECT_FALSE(compareImages(Image(4, 1, {"R", "G"}), reference, {}).passes());
+  EXPECT_FALSE(compareImages(Image(), Image(), {}).passes());
+}
+
+TEST(CompareImages, NanNeverPasses) {
+  const Image reference(1, 1, {"Y"});
+  Image image = reference;
+  image.values[0] = std::nanf("");
+  EXPECT_FALSE(compareImages(image, reference, {.maximum = 1e30, .rms = 1e30}).passes());
+}
+
+TEST(CompareTensors, MeasuresRelativeNormAndMaximum) {
+  const TensorFile reference = tensorsOf({3, 0, 0, 4});
+  const Comparison comparison = compareTensors(tensorsOf({3, 0.5f, 0, 4}), reference, {.maximum = 0.5});
+  EXPECT_EQ(failingDifferences(comparison), "tensor a, relative norm;");
+  EXPECT_DOUBLE_EQ(differenceCalled(comparison, "tensor a, relative norm").measured, 0.1);
+  EXPECT_EQ(comparison.compared_values, 4U);
+}
+
+TEST(CompareTensors, NamesShapesTypesAndMetadataAgreeExactly) {
+  const TensorFile reference = tensorsOf({1, 2, 3, 4});
+  EXPECT_TRUE(compareTensors(reference, reference, {}).passes());
+  EXPECT_FALSE(compareTensors(tensorsOf({1, 2, 3, 4}, {4, 1}), reference, {}).passes());
+
+  TensorFile renamed, retyped = reference, extra = reference, annotated = reference;
+  renamed.tensors["b"] = reference.tensors.at("a");
+  EXPECT_FALSE(compareTensors(renamed, reference, {}).passes());
+  retyped.tensors["a"].type = ElementType::kUint32;
+  EXPECT_FALSE(compareTensors(retyped, reference, {}).passes());
+  extra.tensors["b"] = reference.tensors.at("a");
+  EXPECT_FALSE(compareTensors(extra, reference, {}).passes());
+  EXPECT_FALSE(compareTensors(reference, extra, {}).passes());
+  annotated.metadata["mesh_hash"] = "y";
+  EXPECT_FALSE(compareTensors(annotated, reference, {}).passes());
+  EXPECT_TRUE(compareTensors(annotated, reference, {.ignored_keys = {"mesh_hash"}}).passes());
+  EXPECT_FALSE(compareTensors({}, {}, {}).passes());
+}
+
+TEST(CompareJson, CountsExactlyRealsWithinALimit) {
+  const Json reference = {{"count", 100}, {"energy", 2.0}, {"wall_s", 5.5}};
+  const CompareLimits limits = {.relative = 0.01, .ignored_keys = {"wall_s"}};
+  EXPECT_TRUE(compareJson({{"count", 100}, {"energy", 2.01}, {"wall_s", 99.0}}, reference, limits).passes());
+  EXPECT_TRUE(compareJson({{"count", 100}, {"energy", 2.01}}, reference, limits).passes());
+  EXPECT_FALSE(compareJson({{"count", 101}, {"energy", 2.0}}, reference, limits).passes());
+  EXPECT_FALSE(compareJson({{"count", 100}, {"energy", 2.1}}, reference, limits).passes());
+  EXPECT_FALSE(compareJson({{"count", 100}}, reference, limits).passes());
+  EXPECT_FALSE(compareJson({{"count", 100}, {"energy", 2.0}, {"more", 1}}, reference, limits).passes());
+  EXPECT_FALSE(compareJson({{"count", 100}, {"energy", "2"}}, reference, limits).passes());
+}
+
+TEST(CompareJson, WalksIntoListsAndObjects) {
+  const Json reference = {{"list", {{{"name", "a"}}, {{"name", "b"}}}}};
+  EXPECT_TRUE(compareJson(reference, reference, {}).passes());
+  const Comparison renamed = compareJson({{"list", {{{"name", "a"}}, {{"name", "c"}}}}}, reference, {});
+  EXPECT_THAT(renamed.mismatches, Contains(HasSubstr("/list/1/name")));
+  EXPECT_FALSE(compareJson({{"list", {{{"name", "a"}}}}}, reference, {}).passes());
+}
+
+TEST(CompareJson, NothingComparedIsAFailure) {
+  EXPECT_FALSE(compareJson(Json::object(), Json::object(), {}).passes());
+  EXPECT_FALSE(compareJson({{"wall_s", 1.0}}, {{"wall_s", 1.0}}, {.ignored_keys = {"wall_s"}}).passes());
+}
+
+TEST(ComparePacks, EachPartShows) {
+  const Pack reference = packOf(stages::twoSpheres(0));
+  EXPECT_TRUE(comparePacks(reference, reference, {}).passes());
+
+  Pack renamed = reference, recolored = reference, retyped = reference, moved = reference, darker = reference;
+  renamed.name = "three";
+  recolored.base_color[1] = 0.25f;
+  retyped.transfer.visibility = "shadowed";
+  moved.mesh.positions[0][0] += 0.25f;
+  darker.transfer.vectors[0] = 0;
+  EXPECT_FALSE(comparePacks(renamed, reference, {}).passes());
+  EXPECT_FALSE(comparePacks(recolored, reference, {}).passes());
+  EXPECT_FALSE(comparePacks(retyped, reference, {}).passes());
+  EXPECT_THAT(failingDifferences(comparePacks(moved, reference, {})), HasSubstr("vertices, distance"));
+  EXPECT_EQ(failingDifferences(comparePacks(darker, reference, {})),
+            "transfer, relative norm;transfer, maximum;");
+}
+
+TEST(CompareFiles, ACompressedPackIsNotItsPlainCounterpart) {
+  const auto folder = std::filesystem::temp_directory_path();
+  const auto plain = folder / "bakelight_compare_plain.glb", small = folder / "bakelight_compare_small.glb";
+  writePack(plain, packOf(stages::twoSpheres(0)), {});
+  writePack(small, packOf(stages::twoSpheres(0)), {.draco = true});
+  EXPECT_TRUE(compareFiles("pack", plain, plain, {}).passes());
+  EXPECT_THAT(compareFiles("pack", small, plain, {.distance = 1, .normal = 2}).mismatches,
+              Contains(HasSubstr("sections")));
+  std::filesystem::remove(plain);
+  std::filesystem::remove(small);
+}
+
+TEST(CompareFiles, AMissingFileIsAnError) {
+  const auto there = std::filesystem::temp_directory_path() / "bakelight_compare_there.ply";
+  writePly(there, stages::sphere(0));
+  EXPECT_TRUE(compareFiles("mesh", there, there, {}).passes());
+  EXPECT_THROW(compareFiles("mesh", there, "missing.ply", {}), Error);
+  EXPECT_THROW(compareFiles("mesh", "missing.ply", there, {}), Error);
+  EXPECT_THROW(compareFiles("sound", there, there, {}), std::invalid_argument);
+  std::filesystem::remove(there);
+}
+
+}  // namespace
+}  // namespace bakelight::formats
