@@ -1,33 +1,30 @@
 #include "tools/simplify/normals.h"
 
 #include <cmath>
-#include <numbers>
-#include <optional>
 #include <vector>
 
+#include "tools/simplify/features.h"
 #include "tools/simplify/half_edge_mesh.h"
 
 namespace bakelight::simplify {
 namespace {
 
-bool isCrease(const HalfEdgeMesh& mesh, HalfedgeHandle h, double crease_cosine) {
-  if (mesh.is_boundary(mesh.edge_handle(h))) return true;
-  return (mesh.normal(mesh.face_handle(h)) | mesh.normal(mesh.opposite_face_handle(h))) < crease_cosine;
+bool isCrease(const HalfEdgeMesh& mesh, HalfedgeHandle h) {
+  return mesh.status(mesh.edge_handle(h)).feature();
 }
 
 // The triangles around a vertex, counter-clockwise, parted at creases; each as the half-edge leaving the
 // vertex.
-std::vector<std::vector<HalfedgeHandle>> smoothFans(const HalfEdgeMesh& mesh, VertexHandle vertex,
-                                                    double crease_cosine) {
+std::vector<std::vector<HalfedgeHandle>> smoothFans(const HalfEdgeMesh& mesh, VertexHandle vertex) {
   std::vector<HalfedgeHandle> around;
   for (const auto h : mesh.voh_ccw_range(vertex)) around.push_back(h);
   std::size_t first = 0;  // begin at a crease, if there is one
-  while (first < around.size() && !isCrease(mesh, around[first], crease_cosine)) ++first;
+  while (first < around.size() && !isCrease(mesh, around[first])) ++first;
   const bool any_crease = first < around.size();
   std::vector<std::vector<HalfedgeHandle>> fans;
   for (std::size_t i = 0; i < around.size(); ++i) {
     const HalfedgeHandle h = around[(any_crease ? first + i : i) % around.size()];
-    if (fans.empty() || (isCrease(mesh, h, crease_cosine) && !fans.back().empty())) fans.emplace_back();
+    if (fans.empty() || (isCrease(mesh, h) && !fans.back().empty())) fans.emplace_back();
     if (!mesh.is_boundary(h)) fans.back().push_back(h);
   }
   if (fans.back().empty()) fans.pop_back();
@@ -47,17 +44,17 @@ formats::Float3 fanNormal(const HalfEdgeMesh& mesh, const std::vector<HalfedgeHa
 
 }  // namespace
 
-ShadedMesh withNormals(const WorkingMesh& working, double crease_angle_deg) {
+ShadedMesh withNormals(const WorkingMesh& working, double crease_angle_deg, double min_crease_length) {
   HalfEdgeMesh mesh = halfEdgeMesh(working);
   mesh.update_face_normals();
-  const double crease_cosine = std::cos(crease_angle_deg * std::numbers::pi / 180);
+  markFeatures(mesh, crease_angle_deg, min_crease_length);
   ShadedMesh shaded;
   formats::TriangleMesh& result = shaded.mesh;
   result.triangles = working.triangles;
   for (const Vec3& position : working.positions) result.positions.push_back(transport::float3(position));
   result.normals.resize(result.positions.size());
   for (const auto vertex : mesh.vertices()) {
-    const auto fans = smoothFans(mesh, vertex, crease_cosine);
+    const auto fans = smoothFans(mesh, vertex);
     const auto original = static_cast<std::uint32_t>(vertex.idx());
     for (std::size_t k = 0; k < fans.size(); ++k) {
       const formats::Float3 normal = fanNormal(mesh, fans[k]);

@@ -13,9 +13,11 @@ struct ShadedMesh {
   std::int64_t split_vertices = 0;  // copies made along creases
 };
 
-// Angle-weighted normals (Thürmer & Wüthrich 1998). Where edges sharper than `crease_angle_deg` part the
-// triangles around a vertex, each part gets its own copy and normal. `mesh` must be an oriented manifold.
-// Vertex and triangle order is kept; copies follow at the end. A vertex whose triangles have no area gets +Y.
-ShadedMesh withNormals(const WorkingMesh& mesh, double crease_angle_deg);
+// Angle-weighted normals (Thürmer & Wüthrich 1998). Where creases part the triangles around a vertex, each
+// part gets its own copy and normal. Creases are those of features.h: edges sharper than `crease_angle_deg`,
+// in lines of at least `min_crease_length`, as a fold of a few triangles is noise. `mesh` must be an oriented
+// manifold. Vertex and triangle order is kept; copies follow at the end. A vertex whose triangles have no
+// area gets +Y.
+ShadedMesh withNormals(const WorkingMesh& mesh, double crease_angle_deg, double min_crease_length);
 
 }  // namespace bakelight::simplify

@@ -18,11 +18,15 @@ constexpr double kShapeWeight = 3;
 // k of the cost: distances beyond √k·σ count by their eighth power, which keeps the greatest one down.
 constexpr double kPeak = 6;
 constexpr double kMinSamplesPerTriangle = 8;
+// Rounds after which each sample looks for its closest triangle anew.
+constexpr int kRoundsAssigned = 4;
 constexpr double kMaxPeakWeight = 50;
 // Normals of triangles that an operation replaces may turn by this much.
 const double kTurnCosine = std::cos(35 * std::numbers::pi / 180);
 // A move may not take a vertex farther than this many σ from the original, unless it comes from farther away.
 constexpr double kStray = 4;
+// Barycentric weight below which a place counts as on a side or at a corner.
+constexpr double kInsertMargin = 0.2;
 // Pull of a vertex towards its present height, as a share of its samples' weight.
 constexpr double kStiffness = 0.02;
 
@@ -35,7 +39,7 @@ struct Corners {
 double shapeCost(const Corners& t) {
   const double sides2 = (t.b - t.a).squaredNorm() + (t.c - t.b).squaredNorm() + (t.a - t.c).squaredNorm();
   const double excess = sides2 / (2 * std::numbers::sqrt3 * t.areaVector().norm()) - 1;
-  return excess * (1 + excess);
+  return excess * (1 + excess * excess);
 }
 
 double cosine(const Vec3& u, const Vec3& v) {
@@ -57,6 +61,10 @@ class Relaxation {
     sigma2_ = std::max(samples_.meanDistance2(), 1e-12);
     sample_weight_ = static_cast<double>(mesh_.n_faces()) / static_cast<double>(samples_.count());
   }
+  // Inserts vertices at the worst-fitted samples, no two in one triangle or its neighbours, until `triangles`
+  // more are there (or one fewer). Needs start() afterwards.
+  void insertWhereWorst(std::size_t triangles);
+
   std::int64_t flipEdges() {
     std::int64_t flips = 0;
     for (const auto edge : mesh_.edges()) flips += flip(edge);
@@ -129,12 +137,12 @@ class Relaxation {
 
   // Samples pull the mesh to the original, but a vertex that is closest to none of them would be free to
   // leave it.
-  bool strays(const Vec3& from, const Vec3& to, const Vec3& normal) const {
-    const auto distance = [&](const Vec3& p) { return original_.closestFacing(p, normal).distance; };
-    const double after = distance(to);
-    return after > kStray * std::sqrt(sigma2_) && after > distance(from);
+  bool strays(const Vec3& from, const Vec3& to) const {
+    const double after = original_.closest(to).distance;
+    return after > kStray * std::sqrt(sigma2_) && after > original_.closest(from).distance;
   }
 
+  bool insert(FaceHandle face, const Vec3& place);
   bool flip(EdgeHandle edge);
   bool move(VertexHandle vertex);
   double bestLift(const Patch& patch, std::span<const Corners> corners, const std::vector<Foot>& feet,
@@ -146,6 +154,54 @@ class Relaxation {
   double sigma2_ = 0, sample_weight_ = 0;
   std::vector<Foot> feet_, best_feet_;
 };
+
+bool Relaxation::insert(FaceHandle face, const Vec3& place) {
+  // Sides and the weights of the corners opposite to them.
+  const HalfedgeHandle first = mesh_.halfedge_handle(face);
+  const std::array sides = {first, mesh_.next_halfedge_handle(first), mesh_.prev_halfedge_handle(first)};
+  const Vec3 weights =
+      closestWeights(position(mesh_.to_vertex_handle(sides[1])), position(mesh_.to_vertex_handle(sides[2])),
+                     position(mesh_.to_vertex_handle(sides[0])), place);
+  Eigen::Index least = 0;
+  const double smallest = weights.minCoeff(&least);
+  if (weights.maxCoeff() > 1 - kInsertMargin) return false;  // too near a vertex
+  if (smallest > kInsertMargin) {
+    mesh_.split(face, point(place));
+    return true;
+  }
+  const EdgeHandle edge = mesh_.edge_handle(sides[static_cast<std::size_t>(least)]);
+  if (mesh_.status(edge).feature() || mesh_.is_boundary(edge)) return false;
+  mesh_.split(edge, point(place));
+  return true;
+}
+
+void Relaxation::insertWhereWorst(std::size_t triangles) {
+  struct Place {
+    double distance2;
+    std::uint32_t sample;
+    FaceHandle face;
+  };
+  std::vector<Place> places;
+  for (const auto face : mesh_.faces()) {
+    for (const std::uint32_t s : samples_.of(face)) places.push_back({samples_.distance2(s), s, face});
+  }
+  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+    return a.distance2 > b.distance2 || (a.distance2 == b.distance2 && a.sample < b.sample);
+  });
+  const std::size_t target = mesh_.n_faces() + triangles;
+  std::vector<bool> touched(target, false);
+  const auto isTouched = [&](FaceHandle face) { return touched[static_cast<std::size_t>(face.idx())]; };
+  for (const Place& place : places) {
+    if (mesh_.n_faces() + 2 > target) break;
+    std::vector<FaceHandle> neighbourhood = {place.face};
+    for (const auto face : mesh_.ff_range(place.face)) neighbourhood.push_back(face);
+    if (std::any_of(neighbourhood.begin(), neighbourhood.end(), isTouched)) continue;
+    const std::size_t before = mesh_.n_faces();
+    if (!insert(place.face, samples_.position(place.sample))) continue;
+    for (const FaceHandle face : neighbourhood) touched[static_cast<std::size_t>(face.idx())] = true;
+    for (std::size_t f = before; f < mesh_.n_faces(); ++f) touched[f] = true;
+  }
+}
 
 bool Relaxation::flip(EdgeHandle edge) {
   if (mesh_.status(edge).feature() || mesh_.is_boundary(edge)) return false;
@@ -240,7 +296,7 @@ bool Relaxation::move(VertexHandle vertex) {
     if (!allowed()) continue;
     const double cost = costOf(corners, patch.samples, best, feet_);
     if (!(cost < best)) continue;
-    if (strays(start, candidate, normal)) continue;
+    if (strays(start, candidate)) continue;
     best = cost;
     target = candidate;
     best_feet_ = feet_;
@@ -253,15 +309,20 @@ bool Relaxation::move(VertexHandle vertex) {
 
 }  // namespace
 
-RelaxCounts relax(HalfEdgeMesh& mesh, const SurfaceQuery& original, int rounds) {
+RelaxCounts relax(HalfEdgeMesh& mesh, const SurfaceQuery& original, int rounds,
+                  std::size_t insert_triangles) {
   RelaxCounts counts;
   mesh.garbage_collection();
   Relaxation relaxation(mesh, original);
+  const int insertion = rounds / 2;
   for (int round = 0; round < rounds; ++round) {
-    if (round % 3 == 0) relaxation.start();
+    if (round == insertion) relaxation.start();
+    if (round == insertion) relaxation.insertWhereWorst(insert_triangles);
+    if (round % kRoundsAssigned == 0 || round == insertion) relaxation.start();
     counts.flips += relaxation.flipEdges();
     counts.moves += relaxation.moveVertices();
   }
+  counts.flips += relaxation.flipEdges();
   return counts;
 }
 

@@ -1,6 +1,7 @@
 // Makes the triangles of a decimated mesh round while they keep fitting the original surface.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "tools/simplify/half_edge_mesh.h"
@@ -15,7 +16,7 @@ struct RelaxCounts {
 
 // Mesh optimisation after Hoppe et al. 1993: local operations, each of which lowers one cost
 //
-//   Σ_samples (e + e⁴/k³) / (samples a triangle)  +  w · Σ_triangles (q + q²),     e = d²/σ²,  q =
+//   Σ_samples (e + e⁴/k³) / (samples a triangle)  +  w · Σ_triangles (q + q³),     e = d²/σ²,  q =
 //   1/roundness − 1
 //
 // where d is the distance of a point of the original surface from the mesh, σ the rms of d and roundness
@@ -24,6 +25,6 @@ struct RelaxCounts {
 // unless that unfolds it; feature edges and vertices (features.h) stay, and no vertex strays farther than a
 // few σ from the original. Serial and in index order: repeatable. Cost: about 0.2 s a round for 20k
 // triangles.
-RelaxCounts relax(HalfEdgeMesh& mesh, const SurfaceQuery& original, int rounds);
+RelaxCounts relax(HalfEdgeMesh& mesh, const SurfaceQuery& original, int rounds, std::size_t insert_triangles);
 
 }  // namespace bakelight::simplify

@@ -5,6 +5,12 @@
 #include "tools/simplify/metrics.h"
 
 namespace bakelight::simplify {
+namespace {
+
+// A triangle facing a sample's way is its closest up to this many times the distance of any other.
+constexpr double kFacingFactor = 2;
+
+}  // namespace
 
 Samples::Samples(const SurfaceQuery& original, std::size_t min_count) {
   const WorkingMesh& mesh = original.mesh();
@@ -24,8 +30,11 @@ void Samples::assign(HalfEdgeMesh& mesh) {
   const SurfaceQuery query(workingMesh(mesh));
   std::vector<SurfacePoint> nearest(count());
   tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
-    nearest[i] = query.closestFacing(positions_[i], normals_[i]);
-    if (!nearest[i].valid) nearest[i] = query.closest(positions_[i]);
+    nearest[i] = query.closest(positions_[i]);
+    // On a thin sheet the far side may be the nearer one. Where nothing facing is near, the normal itself is
+    // noise.
+    const SurfacePoint facing = query.closestFacing(positions_[i], normals_[i]);
+    if (facing.valid && facing.distance <= kFacingFactor * nearest[i].distance) nearest[i] = facing;
   });
   of_face_.assign(mesh.n_faces(), {});
   distance2_.resize(count());

@@ -1,5 +1,6 @@
 #include "tools/simplify/simplify.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <Eigen/Geometry>
@@ -20,9 +21,11 @@ namespace {
 // Length of the bounding box's diagonal while working.
 constexpr double kWorkingDiagonal = 1000;
 // Creases shorter than this many sides of the triangles asked for are taken for noise.
-constexpr double kMinCreaseSides = 8;
+constexpr double kMinCreaseSides = 5;
 // Edges longer than this many of those sides are split before decimation.
 constexpr double kMaxEdgeSides = 2;
+// One in so many triangles is left for the places that fit worst after the first half of the relaxation.
+constexpr std::size_t kReserveDivisor = 100;
 constexpr std::size_t kDeviationSamples = 200'000;
 
 void checkInput(const formats::TriangleMesh& mesh, const std::string& file) {
@@ -95,7 +98,9 @@ WorkingMesh reduce(const SurfaceQuery& original, const SimplifyOptions& options,
   const FeatureCounts features = markFeatures(mesh, options.crease_angle_deg, kMinCreaseSides * side);
   report.crease_edges = features.crease_edges;
   report.corners = features.corners;
-  const DecimationResult decimation = decimate(mesh, static_cast<std::size_t>(options.triangles));
+  const auto target = static_cast<std::size_t>(options.triangles);
+  const std::size_t reserve = options.relax_rounds > 0 ? target / kReserveDivisor / 2 * 2 : 0;
+  const DecimationResult decimation = decimate(mesh, target - reserve);
   report.collapses = static_cast<std::int64_t>(decimation.collapses);
   report.constraints = name(decimation.level);
   if (!decimation.reached) {
@@ -105,7 +110,8 @@ WorkingMesh reduce(const SurfaceQuery& original, const SimplifyOptions& options,
   }
   watch.lap("decimate");
   if (options.relax_rounds > 0) {
-    report.flips = relax(mesh, original, options.relax_rounds).flips;
+    report.flips =
+        relax(mesh, original, options.relax_rounds, target - std::min(target, mesh.n_faces())).flips;
   } else {
     report.left_out.push_back("relaxation: relax_rounds is 0");
   }
@@ -158,7 +164,8 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
   watch.lap("measure");
 
   frame.undo(mesh);
-  ShadedMesh shaded = withNormals(mesh, options.crease_angle_deg);
+  const double side = equilateralSide(area(mesh) / static_cast<double>(mesh.triangles.size()));
+  ShadedMesh shaded = withNormals(mesh, options.crease_angle_deg, kMinCreaseSides * side);
   report.split_vertices = shaded.split_vertices;
   result.mesh = std::move(shaded.mesh);
   report.vertices_out = static_cast<std::int64_t>(result.mesh.vertexCount());

@@ -18,7 +18,7 @@ WorkingMesh cube() {
 }
 
 TEST(Normals, OfACubeAreThoseOfItsFaces) {
-  const ShadedMesh shaded = withNormals(cube(), 60);
+  const ShadedMesh shaded = withNormals(cube(), 60, 0);
   EXPECT_EQ(shaded.split_vertices, 16);
   ASSERT_EQ(shaded.mesh.vertexCount(), 24u);
   for (std::size_t t = 0; t < 12; ++t) {
@@ -30,7 +30,7 @@ TEST(Normals, OfACubeAreThoseOfItsFaces) {
 }
 
 TEST(Normals, OfASmoothedCubePointAlongTheDiagonals) {
-  const ShadedMesh shaded = withNormals(cube(), 100);
+  const ShadedMesh shaded = withNormals(cube(), 100, 0);
   EXPECT_EQ(shaded.split_vertices, 0);
   for (std::size_t v = 0; v < 8; ++v) {
     // Angle weights make the way the squares are cut irrelevant.
@@ -41,7 +41,7 @@ TEST(Normals, OfASmoothedCubePointAlongTheDiagonals) {
 
 TEST(Normals, OfAFineSphereAreItsRadii) {
   const formats::TriangleMesh sphere = tests::icosphere(4);
-  const ShadedMesh shaded = withNormals(workingMesh(sphere), 60);
+  const ShadedMesh shaded = withNormals(workingMesh(sphere), 60, 0);
   EXPECT_EQ(shaded.split_vertices, 0);
   ASSERT_EQ(shaded.mesh.normals.size(), sphere.vertexCount());
   for (std::size_t v = 0; v < sphere.vertexCount(); ++v) {
@@ -50,7 +50,7 @@ TEST(Normals, OfAFineSphereAreItsRadii) {
 }
 
 TEST(Normals, OfOneTriangleAreItsOwn) {
-  const ShadedMesh shaded = withNormals({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, 60);
+  const ShadedMesh shaded = withNormals({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, 60, 0);
   EXPECT_EQ(shaded.split_vertices, 0);
   for (const formats::Float3& n : shaded.mesh.normals) EXPECT_EQ(n, (formats::Float3{0, 0, 1}));
 }
