@@ -23,7 +23,7 @@ struct RelaxCounts {
 // 4√3·area/Σ(side²). An edge is flipped, or a vertex is moved towards the centroid of its ring (tangentially)
 // and to the height at which it fits the samples around it best. No triangle turns by more than 35° at once,
 // unless that unfolds it; feature edges and vertices (features.h) stay, and no vertex strays farther than a
-// few σ from the original. Serial and in index order: repeatable. Cost: about 0.2 s a round for 20k
+// few σ from the original. Serial and in index order: repeatable. Cost: about 0.4 s a round for 20k
 // triangles.
 RelaxCounts relax(HalfEdgeMesh& mesh, const SurfaceQuery& original, int rounds, std::size_t insert_triangles);
 
