@@ -22,7 +22,7 @@ struct DecimationResult {
 // Marked features (features.h) collapse along themselves only, locked vertices stay, triangles turn by at
 // most 60° a collapse; those constraints are dropped one after the other if the target cannot be reached
 // otherwise. The shape of triangles is left to relax(): demanding it here (OpenMesh's ModRoundness) blocks
-// the best collapses and costs a third more deviation. Needs face normals. Cost: O(n log n), about 0.5 s for
+// the best collapses and costs a third more deviation. Needs face normals. Cost: O(n log n), about 1.5 s for
 // 70k triangles.
 DecimationResult decimate(HalfEdgeMesh& mesh, std::size_t target);
 
