@@ -2,9 +2,9 @@
 // tests.
 //
 // Edgebreaker (Rossignac 1999) is used, not the sequential coding: it takes two thirds of the bytes when
-// lossless and a third when quantised (docs/FORMATS.md has figures) but reorders vertices, splits non-manifold ones, and drops isolated vertices
-// and degenerate triangles. So the encoder decodes its own result and hands back which source vertex each
-// decoded vertex is.
+// lossless and a third when quantised (docs/FORMATS.md has figures) but reorders vertices, splits
+// non-manifold ones, and drops isolated vertices and degenerate triangles. So the encoder decodes its own
+// result and hands back which source vertex each decoded vertex is.
 #pragma once
 
 #include <cstdint>

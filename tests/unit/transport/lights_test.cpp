@@ -122,8 +122,8 @@ TEST(Lights, RotatingADiskMovesItsAxis) {
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(rotated[i][c], expected[i][c], 1e-6);
 }
 
-// A surface facing a disk of half angle a and radiance 1 has irradiance π sin² a. What truncation leaves falls with
-// the square of the order: 5e-3 at order 10, 1.1e-3 at 19.
+// A surface facing a disk of half angle a and radiance 1 has irradiance π sin² a. What truncation leaves
+// falls with the square of the order: 5e-3 at order 10, 1.1e-3 at 19.
 TEST(Lights, DiskIrradianceIsTheConfigurationFactor) {
   const int order = kMaxEvaluatedOrder;
   for (const double half_angle : {0.3, 0.8, 1.4}) {
