@@ -38,7 +38,7 @@ pipeline: tools assets ## Bake and show ASSETS (default: the bunny) into out/
 	@$(BUILD)/bin/bakelight run $(ASSETS) --out $(OUT) $(RUN_ARGS)
 
 play: pipeline ## Open the baked bunny in a window
-	@$(BUILD)/bin/player $(OUT)/bunny/bunny.glb --environment $(BUILD)/assets/probes/courtyard.exr
+	@$(BUILD)/bin/player $(OUT)/bunny/bunny.glb --environment $(BUILD)/assets/probes/sunrise.exr
 
 test: build assets ## Build everything and run the tests
 	@ctest --test-dir $(BUILD) --output-on-failure --no-tests=error -j $$(nproc)

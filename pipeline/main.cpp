@@ -58,12 +58,14 @@ int report(const std::function<int()>& command) {
   } catch (const Error& error) {
     tell(error);
     return static_cast<int>(error.status());
+  } catch (const std::exception& error) {
+    tell(Error(ExitStatus::kNotAvailable, {}, std::string("internal error: ").append(error.what()), "",
+               "report it with the command line and the asset"));
+    return static_cast<int>(ExitStatus::kNotAvailable);
   }
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int runCommandLine(int argc, char** argv) {
   CLI::App app("Bakes how light moves over an object, from an asset folder to one pack", "bakelight");
   app.set_version_flag("--version", BAKELIGHT_VERSION);
   app.require_subcommand(1);
@@ -93,10 +95,14 @@ int main(int argc, char** argv) {
     std::cerr << "bakelight: " << error.what() << ". Try: bakelight --help.\n";
     return static_cast<int>(ExitStatus::kUsage);
   }
-  return report([&] {
-    if (run.parsed()) return runCommand(request);
-    if (explain.parsed()) return explainCommand(request);
-    if (graph.parsed()) return graphCommand(request);
-    return toolsCommand(request);
-  });
+  if (run.parsed()) return runCommand(request);
+  if (explain.parsed()) return explainCommand(request);
+  if (graph.parsed()) return graphCommand(request);
+  return toolsCommand(request);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return report([&] { return runCommandLine(argc, argv); });
 }

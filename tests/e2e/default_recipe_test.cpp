@@ -110,7 +110,7 @@ TEST_F(DefaultRecipe, DeliversTheBunny) {
 
 TEST_F(DefaultRecipe, PixelsAreThoseOfTheCpu) {
   const auto result = comparePlayerWithCpu(kBin / "player", driver_->out() / "bunny/bunny.glb",
-                                           kData / "probes/courtyard.exr", {}, *folder_ / "pictures");
+                                           kData / "probes/sunrise.exr", {}, *folder_ / "pictures");
   EXPECT_TRUE(result.agrees()) << result.summary();
   std::printf("%s\n", result.summary().c_str());
   // The picture that was compared is the one that was delivered.

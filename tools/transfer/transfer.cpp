@@ -10,6 +10,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "tools/transfer/buried.h"
 #include "transport/camera.h"
 #include "transport/directions.h"
 #include "transport/ray_scene.h"
@@ -117,6 +118,7 @@ void collectBlocked(Workspace& work) {
 struct VertexFigures {
   std::uint32_t rays = 0, blocked = 0;
   float quadrature_error = 0;
+  bool buried = false;
 };
 
 class ShadowedBaker {
@@ -140,6 +142,8 @@ class ShadowedBaker {
     figures.rays = static_cast<std::uint32_t>(work.above.size());
     figures.blocked = static_cast<std::uint32_t>(work.blocked_directions.size());
     figures.quadrature_error = combine(vertex, vector, work);
+    figures.buried = figures.rays > 0 && figures.blocked == figures.rays &&
+                     isBuried(mesh_, scene_, origin, mesh_.normals[vertex]);
     return figures;
   }
 
@@ -218,12 +222,16 @@ DiffuseTransfer bakeShadowed(const TriangleMesh& mesh, const DiffuseOptions& opt
               baker.bake(vertex, std::span(result.vectors).subspan(vertex * count, count), work);
         progress.advance(range.size());
       });
+  std::vector<std::uint8_t> buried;
   for (const VertexFigures& vertex : figures) {
+    buried.push_back(vertex.buried ? 1 : 0);
+    result.buried_vertices += vertex.buried ? 1 : 0;
     result.rays += vertex.rays;
     result.blocked_rays += vertex.blocked;
     result.fully_blocked_vertices += vertex.rays > 0 && vertex.blocked == vertex.rays ? 1 : 0;
     result.quadrature_error = std::max<double>(result.quadrature_error, vertex.quadrature_error);
   }
+  if (result.buried_vertices > 0) result.filled_vertices = fillBuried(mesh, buried, result.vectors, count);
   return result;
 }
 

@@ -29,8 +29,10 @@ struct DiffuseTransfer {
   std::vector<float> vectors;
 
   std::uint64_t rays = 0, blocked_rays = 0;
-  std::uint64_t fully_blocked_vertices =
-      0;  // see no light at all: inside another part, or a mesh turned inside out
+  // See no light at all: inside a closed cavity, or buried.
+  std::uint64_t fully_blocked_vertices = 0;
+  // Inside another part of the mesh (buried.h), and how many of them took over their neighbours' transfer.
+  std::uint64_t buried_vertices = 0, filled_vertices = 0;
   // Largest |quadrature − closed form| of an unshadowed coefficient over the vertices that see blockers: how
   // far the given number of directions is from resolving the basis. The control variate takes this error out
   // of what is not blocked.

@@ -44,11 +44,13 @@ void report(const formats::TriangleMesh& mesh, const DiffuseTransfer& baked, dou
   run.stat("blocked_ray_share",
            baked.rays > 0 ? static_cast<double>(baked.blocked_rays) / static_cast<double>(baked.rays) : 0.0);
   run.stat("fully_blocked_vertices", baked.fully_blocked_vertices);
+  run.stat("buried_vertices", baked.buried_vertices);
+  run.stat("filled_vertices", baked.filled_vertices);
   run.stat("quadrature_error", baked.quadrature_error);
   if (baked.rays > 0 && baked.blocked_rays == 0)
     run.warn("nothing blocks any ray: visibility \"unshadowed\" gives the same result without rays");
   if (baked.fully_blocked_vertices > mesh.vertexCount() / 2)
-    run.warn("most vertices see no light at all: is the mesh turned inside out?");
+    run.warn("most vertices see no light at all: is the mesh closed and turned inside out?");
 }
 
 }  // namespace bakelight::transfer

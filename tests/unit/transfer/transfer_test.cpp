@@ -121,7 +121,39 @@ TEST(Transfer, NothingIsSeenInsideAClosedBody) {
   const TriangleMesh cave = insideOut(icosphere(3));
   const DiffuseTransfer baked = bake(cave, shadowed(5));
   EXPECT_EQ(baked.fully_blocked_vertices, cave.vertexCount());
+  EXPECT_EQ(baked.buried_vertices, 0u);
   for (const float value : baked.vectors) EXPECT_EQ(value, 0);
+}
+
+// Two spheres that overlap: what lies inside the other one takes over the transfer of the rim, instead of
+// staining it black.
+TEST(Transfer, VerticesInsideAnotherPartAreFilledFromTheirNeighbours) {
+  TriangleMesh pair = icosphere(3);
+  const std::size_t first = pair.vertexCount();
+  append(pair, icosphere(3, 0.8, Vec3(0.9, 0, 0)));
+  const DiffuseTransfer baked = bake(pair, shadowed(3));
+  std::size_t inside = 0;
+  for (std::size_t v = 0; v < pair.vertexCount(); ++v) {
+    const Vec3 p = vec3(pair.positions[v]);
+    const bool is_inside = v < first ? (p - Vec3(0.9, 0, 0)).norm() < 0.79 : p.norm() < 0.98;
+    inside += is_inside ? 1 : 0;
+    // y_00 · visible share: well above black everywhere, at most unshadowed.
+    EXPECT_GT(baked.vectors[v * 9], 0.25 * std::sqrt(1 / (4 * kPi))) << "vertex " << v;
+    EXPECT_LE(baked.vectors[v * 9], 1.001 * std::sqrt(1 / (4 * kPi))) << "vertex " << v;
+  }
+  EXPECT_GT(inside, 100u);
+  EXPECT_GE(baked.buried_vertices, inside);
+  EXPECT_EQ(baked.filled_vertices, baked.buried_vertices);
+}
+
+TEST(Transfer, AComponentThatIsBuriedAsAWholeStaysBlack) {
+  TriangleMesh nested = icosphere(3);
+  const std::size_t first = nested.vertexCount();
+  append(nested, icosphere(2, 0.3));
+  const DiffuseTransfer baked = bake(nested, shadowed(2));
+  EXPECT_EQ(baked.buried_vertices, nested.vertexCount() - first);
+  EXPECT_EQ(baked.filled_vertices, 0u);
+  for (std::size_t i = first * 4; i < baked.vectors.size(); ++i) EXPECT_EQ(baked.vectors[i], 0);
 }
 
 TEST(Transfer, HigherOrderBeginsWithTheLowerOne) {
