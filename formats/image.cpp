@@ -53,7 +53,7 @@ void checkShape(const Image& image) {
   }
 }
 
-OIIO::ImageSpec specOf(const Image& image, OIIO::TypeDesc type) {
+OIIO::ImageSpec specOf(const Image& image, const OIIO::TypeDesc& type) {
   OIIO::ImageSpec spec(image.width, image.height, static_cast<int>(image.channelCount()), type);
   spec.channelnames = image.channel_names;
   return spec;
@@ -62,7 +62,7 @@ OIIO::ImageSpec specOf(const Image& image, OIIO::TypeDesc type) {
 // Through memory, as a library that writes to disk itself would leave half a file behind on a full disk.
 template <class Value>
 void writeThroughMemory(const std::filesystem::path& path, const char* format, const OIIO::ImageSpec& spec,
-                        OIIO::TypeDesc value_type, const std::vector<Value>& values) {
+                        const OIIO::TypeDesc& value_type, const std::vector<Value>& values) {
   std::vector<unsigned char> buffer;
   OIIO::Filesystem::IOVecOutput memory(buffer);
   const auto output = OIIO::ImageOutput::create(format);

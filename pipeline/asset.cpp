@@ -136,9 +136,8 @@ class Finder {
       if (object.has("deliver")) asset.deliver = object.texts("deliver");
     });
     for (const auto& [name, port] : recipe.asset)
-      problems_.attempt([&] {
-        if (object.has(name) || port.required)
-          asset.files[name] = fileNamed(object, name, file.parent_path());
+      problems_.attempt([&, name = name, required = port.required] {
+        if (object.has(name) || required) asset.files[name] = fileNamed(object, name, file.parent_path());
       });
     assets_.push_back(std::move(asset));
   }

@@ -156,7 +156,7 @@ std::vector<std::string> Build::commandFor(TaskIndex index, const Running& runni
     command.push_back(value);
   };
   for (const auto& [port, input] : task.inputs) {
-    const auto made = [&] {
+    const auto made = [&, input = input] {
       return entries_[*input.maker]->pathOf(entries_[*input.maker]->outputs.at(input.port));
     };
     add(optionFor(port), (input.maker ? made() : input.file).string());

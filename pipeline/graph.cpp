@@ -192,7 +192,9 @@ class AssetStages {
   void overrideEach(const ToolDescription& tool, const Json& given, const ErrorPlace& place, Json& values) {
     if (!given.is_object()) formats::checkParameters(tool, given, place);
     for (const auto& [name, value] : given.items())
-      problems_.attempt([&] { values.update(formats::checkParameters(tool, {{name, value}}, place)); });
+      problems_.attempt([&, name = name, value = value] {
+        values.update(formats::checkParameters(tool, {{name, value}}, place));
+      });
   }
 
   static void applySetting(const ToolDescription& tool, const Setting& setting, Json& values) {

@@ -68,10 +68,12 @@ void checkWires(const Recipe& recipe, Problems& problems) {
   for (const auto& [name, stage] : recipe.stages)
     for (const auto& [port, wire] : stage.inputs) {
       const ErrorPlace place{recipe.file, "", "/stages/" + name + "/inputs/" + port};
-      problems.attempt([&] { checkWire(recipe, wire, place, true); });
+      problems.attempt([&, wire = wire] { checkWire(recipe, wire, place, true); });
     }
   for (const auto& [name, wire] : recipe.deliverables)
-    problems.attempt([&] { checkWire(recipe, wire, {recipe.file, "", "/deliver/" + name}, false); });
+    problems.attempt([&, name = name, wire = wire] {
+      checkWire(recipe, wire, {recipe.file, "", "/deliver/" + name}, false);
+    });
 }
 
 }  // namespace

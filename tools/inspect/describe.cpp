@@ -112,7 +112,7 @@ Section listSection(const std::string& name, const std::string& column,
   return section;
 }
 
-Json memberOr(const Json& object, const char* name, Json otherwise) {
+Json memberOr(const Json& object, const char* name, const Json& otherwise) {
   return object.is_object() && object.contains(name) ? object[name] : otherwise;
 }
 

@@ -45,7 +45,8 @@ std::vector<double> bandEnergies(std::span<const float> vectors, int order) {
     const auto band = static_cast<std::size_t>(std::sqrt(static_cast<double>(i % count)));
     energies[band] += static_cast<double>(vectors[i]) * vectors[i];
   }
-  const auto rows = static_cast<double>(vectors.size() / count);
+  const std::size_t row_count = vectors.size() / count;
+  const auto rows = static_cast<double>(row_count);
   for (double& energy : energies) energy /= rows;
   return energies;
 }
