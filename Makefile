@@ -29,7 +29,7 @@ build: packages $(BUILD)/build.ninja ## Build everything into build/, executable
 	@cmake --build $(BUILD)
 
 tools: packages $(BUILD)/build.ninja ## Build the tools only, without tests and benchmarks
-	@cmake --build $(BUILD) --target tools -- --quiet
+	@cmake --build $(BUILD) --target tools
 
 assets: ## Fetch the default asset: the Stanford bunny and HDR probes
 	@scripts/fetch-assets $(BUILD)/assets

@@ -3,6 +3,7 @@
 
 #include "formats/mesh_import.h"
 #include "formats/mesh_ply.h"
+#include "tools/simplify/orientation.h"
 #include "tools/simplify/report.h"
 #include "tools/simplify/simplify.h"
 #include "tools/stage/stage.h"
@@ -11,9 +12,12 @@ int main(int argc, char** argv) {
   using namespace bakelight;
   std::filesystem::path mesh_path, simplified_path;
   simplify::SimplifyOptions options;
+  std::string up_axis = "y";
   stage::Tool tool("simplify", "Repairs a mesh and reduces it to a given number of round triangles");
   tool.input("mesh", "mesh", mesh_path, "Any mesh file that assimp reads: OBJ, PLY, STL, OFF, glTF, 3DS, ...")
       .output("simplified", "mesh", simplified_path, "Binary PLY with normals")
+      .parameter("up_axis", up_axis, simplify::upAxes(),
+                 "Axis of the mesh, as the importer delivers it, that is up and becomes +Y")
       .parameter("triangles", options.triangles, {4, 1e8}, "triangles",
                  "Target; a mesh that has no more is repaired but not decimated")
       .parameter("weld_tolerance", options.weld_tolerance, {0, 0.01}, "",
@@ -25,6 +29,7 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](stage::Run& run) {
     formats::MeshImport imported = formats::importMesh(mesh_path);
     for (const std::string& note : imported.notes) run.warn(note);
+    simplify::turnUpright(imported.mesh, up_axis);
     const simplify::SimplifyResult result = simplify::simplify(imported.mesh, options, mesh_path.string());
     formats::writePly(simplified_path, result.mesh);
     for (const std::string& warning : result.report.warnings) run.warn(warning);
