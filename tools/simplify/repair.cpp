@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "tools/simplify/inside_out.h"
 #include "tools/simplify/needles.h"
 
 namespace bakelight::simplify {
@@ -331,12 +332,6 @@ void makeManifold(WorkingMesh& mesh, RepairCounts& counts) {
 // ---- components
 // ----------------------------------------------------------------------------------------------------
 
-struct Components {
-  std::vector<Index> of_triangle;
-  std::vector<bool> closed;
-  std::size_t count() const { return closed.size(); }
-};
-
 Components components(const WorkingMesh& mesh, const EdgeGroups& edges) {
   CornerSets sets(mesh.triangles.size());
   for (std::size_t g = 0; g < edges.count(); ++g) {
@@ -352,24 +347,6 @@ Components components(const WorkingMesh& mesh, const EdgeGroups& edges) {
     if (edges.group(g).size() == 1) result.closed[result.of_triangle[edges.group(g)[0] / 3]] = false;
   }
   return result;
-}
-
-void turnInsideOut(WorkingMesh& mesh, RepairCounts& counts) {
-  const Components parts = components(mesh, EdgeGroups(mesh));
-  // About the component's own first vertex: far from the origin the sum would cancel.
-  std::vector<double> volume(parts.count());
-  std::vector<Index> origin(parts.count(), kNone);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Index part = parts.of_triangle[t];
-    if (origin[part] == kNone) origin[part] = mesh.triangles[t][0];
-    const Vec3& o = mesh.positions[origin[part]];
-    volume[part] += (mesh.corner(t, 0) - o).dot((mesh.corner(t, 1) - o).cross(mesh.corner(t, 2) - o)) / 6;
-  }
-  const auto inside_out = [&](Index part) { return parts.closed[part] && volume[part] < 0; };
-  for (Index part = 0; part < parts.count(); ++part) counts.inside_out_components += inside_out(part);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (inside_out(parts.of_triangle[t])) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
-  }
 }
 
 void removeUnusedVertices(WorkingMesh& mesh) {
@@ -409,7 +386,7 @@ RepairCounts repair(WorkingMesh& mesh, double weld_tolerance) {
   const NeedleCounts needles = removeNeedles(mesh, kNeedleHeight);
   counts.zero_area_triangles = needles.removed;
   counts.kept_needles = needles.kept;
-  turnInsideOut(mesh, counts);
+  counts.inside_out_components = turnInsideOutComponents(mesh, components(mesh, EdgeGroups(mesh)));
   return counts;
 }
 

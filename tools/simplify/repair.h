@@ -22,7 +22,7 @@ struct RepairCounts {
   std::int64_t added_vertices = 0;         // by those splits
   std::int64_t reoriented_triangles = 0;   // turned to agree with their neighbours
   std::int64_t one_sided_cuts = 0;         // edges cut as no orientation agrees across them (Möbius strips)
-  std::int64_t inside_out_components = 0;  // closed, negative volume; turned as a whole
+  std::int64_t inside_out_components = 0;  // closed, and turned as a whole (inside_out.h)
   std::int64_t isolated_vertices = 0;      // removed: used by no triangle
 
   bool clean() const;
