@@ -88,8 +88,8 @@ void RayScene::occluded(const Float3& origin, const RayBundle& bundle, float t_n
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
 
-  for (std::size_t first = 0; first < bundle.size(); first += kPacketWidth) {
-    const std::size_t count = std::min<std::size_t>(kPacketWidth, bundle.size() - first);
+  for (std::size_t first = 0; first < blocked.size(); first += kPacketWidth) {
+    const std::size_t count = std::min<std::size_t>(kPacketWidth, blocked.size() - first);
     std::copy_n(&bundle.x[first], count, rays.dir_x);
     std::copy_n(&bundle.y[first], count, rays.dir_y);
     std::copy_n(&bundle.z[first], count, rays.dir_z);

@@ -17,8 +17,12 @@ namespace bakelight::transport {
 struct RayBundle {
   std::vector<float> x, y, z;  // unit directions
 
+  RayBundle() = default;
+  explicit RayBundle(std::size_t size) : x(size), y(size), z(size) {}
   std::size_t size() const { return x.size(); }
-  void clear() { x.clear(), y.clear(), z.clear(); }
+  void set(std::size_t i, const Float3& direction) {
+    x[i] = direction[0], y[i] = direction[1], z[i] = direction[2];
+  }
   void push(const Float3& direction) {
     x.push_back(direction[0]), y.push_back(direction[1]), z.push_back(direction[2]);
   }
@@ -44,8 +48,8 @@ class RayScene {
   RayScene& operator=(const RayScene&) = delete;
 
   // blocked[i] = 1 if anything lies along ray i at a distance from `t_near` (in units of length) to infinity,
-  // else 0; both sides of a triangle block. `blocked` has bundle.size() elements. Thread-safe; allocates
-  // nothing.
+  // else 0; both sides of a triangle block. Traces the first blocked.size() rays of the bundle (at most all
+  // of them). Thread-safe; allocates nothing.
   void occluded(const Float3& origin, const RayBundle& bundle, float t_near,
                 std::span<std::uint8_t> blocked) const;
   Hit nearestHit(const Vec3& origin, const Vec3& direction, float t_near = 0) const;

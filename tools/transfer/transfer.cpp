@@ -27,12 +27,21 @@ namespace {
 
 constexpr std::size_t kVerticesPerTask = 64;
 
+// Compiled for several instruction sets, the widest at hand chosen when the program starts. The kernels never
+// sum across lanes and never fuse a multiplication with an addition, so each of them gives the same bits.
+// Sanitizers are not ready yet when that choice is made.
+#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define BAKELIGHT_MULTIVERSIONED __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define BAKELIGHT_MULTIVERSIONED
+#endif
+
 // The quadrature's directions with the basis tabulated, coefficients padded to whole tiles.
 struct Quadrature {
   static constexpr int kTile = 32;  // coefficients whose sums stay in registers
 
   int order = 0, row_size = 0;
-  std::vector<Float3> directions;
+  transport::RayBundle directions;
   std::vector<float> basis;  // directions × row_size
   double weight = 0;         // 4π / count
 
@@ -44,7 +53,7 @@ struct Quadrature {
         weight(4 * std::numbers::pi / count) {
     const std::vector<Vec3> lattice = transport::sphereDirections(count);
     tbb::parallel_for(0, count, [&](int d) {
-      directions[d] = transport::float3(lattice[d]);
+      directions.set(d, transport::float3(lattice[d]));
       std::array<double, transport::coefficientCount(transport::kMaxOrder)> values;
       const int used = transport::coefficientCount(order);
       transport::evaluateSh(order, lattice[d], std::span(values).first(used));
@@ -61,8 +70,8 @@ struct Quadrature {
 // stay in registers; in blocks whose float sums go into doubles, so that the error does not grow with the
 // number of directions. The order of additions is fixed and no lane is summed across, so every instruction
 // set gives the same bits.
-void accumulate(const Quadrature& quadrature, std::span<const std::uint32_t> chosen,
-                std::span<const float> weights, std::span<double> sums) {
+BAKELIGHT_MULTIVERSIONED void accumulate(const Quadrature& quadrature, std::span<const std::uint32_t> chosen,
+                                         std::span<const float> weights, std::span<double> sums) {
   constexpr std::size_t kBlock = 128;
   constexpr int kTile = Quadrature::kTile;
   for (std::size_t first = 0; first < chosen.size(); first += kBlock) {
@@ -81,33 +90,41 @@ void accumulate(const Quadrature& quadrature, std::span<const std::uint32_t> cho
 
 // What one thread reuses from vertex to vertex.
 struct Workspace {
-  transport::RayBundle rays;
+  explicit Workspace(std::size_t directions)
+      : hemisphere(directions), above(directions), cosines(directions), blocked(directions) {}
+
+  transport::RayBundle hemisphere;
   std::vector<std::uint32_t> above, blocked_directions;
   std::vector<float> cosines, blocked_cosines;
   std::vector<std::uint8_t> blocked;
   std::vector<double> all_sums, blocked_sums;
+  std::size_t count = 0;  // directions above the tangent plane; the arrays hold that many
 };
 
-// Directions above the tangent plane, compacted: full packets for the tracer.
-void collectHemisphere(const Quadrature& quadrature, const Float3& normal, Workspace& work) {
-  work.rays.clear();
-  work.above.clear();
-  work.cosines.clear();
-  for (std::uint32_t d = 0; d < quadrature.directions.size(); ++d) {
-    const Float3& s = quadrature.directions[d];
-    const float cosine = normal[0] * s[0] + normal[1] * s[1] + normal[2] * s[2];
-    if (cosine <= 0) continue;
-    work.rays.push(s);
-    work.above.push_back(d);
-    work.cosines.push_back(cosine);
+// Directions above the tangent plane, compacted: full packets for the tracer. Every direction is written and
+// the end moves on only past those above, as the branch would be mispredicted too often.
+BAKELIGHT_MULTIVERSIONED void collectHemisphere(const Quadrature& quadrature, const Float3& normal,
+                                                Workspace& work) {
+  const float* const x = quadrature.directions.x.data();
+  const float* const y = quadrature.directions.y.data();
+  const float* const z = quadrature.directions.z.data();
+  std::size_t end = 0;
+  for (std::size_t d = 0; d < quadrature.directions.size(); ++d) {
+    const float cosine = normal[0] * x[d] + normal[1] * y[d] + normal[2] * z[d];
+    work.hemisphere.x[end] = x[d];
+    work.hemisphere.y[end] = y[d];
+    work.hemisphere.z[end] = z[d];
+    work.above[end] = static_cast<std::uint32_t>(d);
+    work.cosines[end] = cosine;
+    end += cosine > 0 ? 1 : 0;
   }
-  work.blocked.resize(work.above.size());
+  work.count = end;
 }
 
 void collectBlocked(Workspace& work) {
   work.blocked_directions.clear();
   work.blocked_cosines.clear();
-  for (std::size_t k = 0; k < work.above.size(); ++k)
+  for (std::size_t k = 0; k < work.count; ++k)
     if (work.blocked[k] != 0) {
       work.blocked_directions.push_back(work.above[k]);
       work.blocked_cosines.push_back(work.cosines[k]);
@@ -130,16 +147,18 @@ class ShadowedBaker {
         cosine_factors_(transport::clampedCosineFactors(options.order)),
         offset_(static_cast<float>(surfaceOffset(mesh, options.bias))) {}
 
+  std::size_t directionCount() const { return quadrature_.directions.size(); }
+
   VertexFigures bake(std::size_t vertex, std::span<float> vector, Workspace& work) const {
     collectHemisphere(quadrature_, mesh_.normals[vertex], work);
     Float3 origin;
     for (std::size_t c = 0; c < 3; ++c)
       origin[c] = mesh_.positions[vertex][c] + offset_ * mesh_.normals[vertex][c];
-    scene_.occluded(origin, work.rays, 0, work.blocked);
+    scene_.occluded(origin, work.hemisphere, 0, std::span(work.blocked).first(work.count));
     collectBlocked(work);
 
     VertexFigures figures;
-    figures.rays = static_cast<std::uint32_t>(work.above.size());
+    figures.rays = static_cast<std::uint32_t>(work.count);
     figures.blocked = static_cast<std::uint32_t>(work.blocked_directions.size());
     figures.quadrature_error = combine(vertex, vector, work);
     figures.buried = figures.rays > 0 && figures.blocked == figures.rays &&
@@ -169,10 +188,10 @@ class ShadowedBaker {
     }
     work.all_sums.assign(quadrature_.row_size, 0.0);
     work.blocked_sums.assign(quadrature_.row_size, 0.0);
-    accumulate(quadrature_, work.above, work.cosines, work.all_sums);
+    accumulate(quadrature_, std::span(work.above).first(work.count), work.cosines, work.all_sums);
     accumulate(quadrature_, work.blocked_directions, work.blocked_cosines, work.blocked_sums);
 
-    const bool sees_light = work.blocked_directions.size() < work.above.size();
+    const bool sees_light = work.blocked_directions.size() < work.count;
     // Coefficient 0 is constant, so its sums are the cosine-weighted counts.
     const double visible = sees_light ? 1 - work.blocked_sums[0] / work.all_sums[0] : 0;
     const double weight = quadrature_.weight / std::numbers::pi;
@@ -216,7 +235,7 @@ DiffuseTransfer bakeShadowed(const TriangleMesh& mesh, const DiffuseOptions& opt
   std::vector<VertexFigures> figures(mesh.vertexCount());
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, mesh.vertexCount(), kVerticesPerTask), [&](const auto& range) {
-        Workspace work;
+        Workspace work(baker.directionCount());
         for (std::size_t vertex = range.begin(); vertex < range.end(); ++vertex)
           figures[vertex] =
               baker.bake(vertex, std::span(result.vectors).subspan(vertex * count, count), work);
