@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <span>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 
@@ -121,7 +122,9 @@ void removeDuplicates(WorkingMesh& mesh, RepairCounts& counts) {
   struct Key {
     Triangle sorted;
     Index triangle;
-    auto operator<=>(const Key&) const = default;
+    bool operator<(const Key& other) const {
+      return std::tie(sorted, triangle) < std::tie(other.sorted, other.triangle);
+    }
   };
   std::vector<Key> keys(mesh.triangles.size());
   for (Index t = 0; t < keys.size(); ++t) {
