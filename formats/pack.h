@@ -9,30 +9,14 @@
 #include <vector>
 
 #include "formats/file.h"
-#include "formats/triangle_mesh.h"
+#include "formats/pack_contents.h"
 
 namespace bakelight::formats {
 
-inline constexpr int kPackVersion = 1;
-
-// Diffuse transfer vectors (Sloan et al. 2002, eq. 10): n vertices × order² floats, row-major, SH index
-// l(l+1)+m. Exit radiance of a vertex = base colour × Σ_i vectors[i] · light[i]: 1/π is inside, the albedo is
-// not.
-struct DiffuseTransfer {
-  int order = 0;           // bands, 1–10
-  std::string visibility;  // "unshadowed" or "shadowed"
-  std::vector<float> vectors;
-};
-
-struct Pack {
-  std::string name;               // of the asset
-  TriangleMesh mesh;              // with normals
-  Float3 base_color = {1, 1, 1};  // diffuse albedo, linear, 0–1
-  DiffuseTransfer transfer;
-};
+inline constexpr int kPackVersion = 2;
 
 struct PackOptions {
-  bool draco = false;     // KHR_draco_mesh_compression; the transfer table is permuted so as to stay in step
+  bool draco = false;     // KHR_draco_mesh_compression; the tables are permuted so as to stay in step
   int position_bits = 0;  // quantisation of Draco positions, 8–30; 0: none (lossless)
   int normal_bits = 0;    // likewise, 6–30
 };

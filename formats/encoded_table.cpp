@@ -1,0 +1,1 @@
+#include "formats/encoded_table.h"

@@ -1,0 +1,42 @@
+// Tables of one row a vertex (or a basis matrix) at the precision in which they are stored and played back.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/file.h"
+
+namespace bakelight::formats {
+
+enum class Precision { kFloat32, kFloat16, kUint8 };
+
+std::size_t bytesPerValue(Precision precision);  // 4, 2, 1
+const char* nameOf(Precision precision);         // "float32", "float16", "uint8"
+// "float32", "float16", "uint8", in this order: choices of a tool's parameter.
+const std::vector<std::string>& precisionNames();
+// Throws std::invalid_argument for another name.
+Precision precisionNamed(const std::string& name);
+
+// Row-major, rows × columns. kUint8: value = offset[column] + scale[column] · code; the other two are IEEE
+// 754 numbers and `scale` and `offset` are empty.
+struct EncodedTable {
+  Precision precision = Precision::kFloat32;
+  std::size_t rows = 0, columns = 0;
+  Bytes data;                        // rows · columns · bytesPerValue
+  std::vector<float> scale, offset;  // a column; kUint8 only
+
+  bool empty() const { return rows == 0; }
+  std::size_t rowBytes() const { return columns * bytesPerValue(precision); }
+  std::vector<float> decode() const;
+};
+
+// Rounds to nearest (ties to even for halves). `values` holds rows × columns; a column whose values are all
+// equal is exact at any precision. Throws Error(kBadInput) naming `file`, `what`, row and column for a value
+// that is not finite, or that does not fit a half (|x| > 65504). `values.size()` must be a multiple of
+// `columns` (std::invalid_argument).
+EncodedTable encodeTable(std::span<const float> values, std::size_t columns, Precision precision,
+                         const std::string& file, const std::string& what);
+
+}  // namespace bakelight::formats

@@ -1,0 +1,1 @@
+#include "transport/light_rig.h"

@@ -1,0 +1,39 @@
+// From a light rig to what evaluation needs.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "formats/light_rig.h"
+#include "transport/camera.h"
+#include "transport/lights.h"
+
+namespace bakelight::transport {
+
+struct RigLight {
+  ShLight light;            // of all distant lights, after windowing; order² entries
+  formats::Image backdrop;  // lat-long R, G, B of the same lights, for the picture; lights too small for it
+                            // are spread over a texel with their power kept
+  double moved_energy = 0;  // share of the light's squared norm beyond band 0 that windowing took away
+  double window = 0;        // strength that was used
+};
+
+// Throws Error(kBadInput) for light that is not finite.
+RigLight distantLight(const formats::LightRig& rig, int order);
+
+// Emitters as one mesh of flat radiance, placed at `time_s`; in object space. Normals are filled in.
+struct EmitterMesh {
+  formats::TriangleMesh mesh;
+  std::vector<Float3> radiance;  // a vertex; constant over each emitter
+};
+EmitterMesh emitterMesh(const formats::LightRig& rig, const BoundingSphere& object, double time_s);
+
+// What is seen from `center`: six faces (cube_map.h) of resolution² texels R, G, B, as a strip 6:1, by a ray
+// through each texel's centre. Both sides of a triangle shine; nothing: black.
+formats::Image renderEmitterCube(const EmitterMesh& emitters, const Vec3& center, int resolution_px);
+
+// L_i = Σ texels radiance · y_i(centre direction) · exact solid angle. `strip` is 6:1 or 1:6. Throws
+// Error(kBadInput) naming `file` for other shapes.
+ShLight projectCubeMap(const formats::Image& strip, int order, const std::string& file);
+
+}  // namespace bakelight::transport

@@ -1,0 +1,1 @@
+#include "transport/triple_product.h"
