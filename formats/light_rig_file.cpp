@@ -1,1 +1,305 @@
 #include "formats/light_rig_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "formats/error.h"
+#include "formats/json.h"
+#include "formats/mesh_import.h"
+#include "formats/tool_description.h"
+
+namespace bakelight::formats {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kLargestRadiance = 1e12;
+constexpr double kLargestLength = 1e9;
+constexpr double kSmallest = 1e-6;  // where a width, an angle or a period has to be more than nothing
+constexpr double kAutomaticWindow = -1;
+
+struct Range {
+  double minimum, maximum;  // inclusive
+};
+constexpr Range kRadiance = {0, kLargestRadiance}, kPosition = {-kLargestLength, kLargestLength},
+                kExtent = {kSmallest, kLargestLength}, kTurn = {-360, 360};
+
+ParameterDescription rule(const std::string& name, ParameterType type) {
+  ParameterDescription description;
+  description.name = name;
+  description.type = type;
+  return description;
+}
+
+ParameterDescription rule(const std::string& name, ParameterType type, Range range) {
+  ParameterDescription description = rule(name, type);
+  description.minimum = range.minimum;
+  description.maximum = range.maximum;
+  return description;
+}
+
+// The members of one JSON object, each asked for by name and judged by the rule that tools' parameters have;
+// what nobody asked for is unknown. A member that is not there leaves its value alone.
+class Members {
+ public:
+  Members(const Json& object, std::string file, std::string pointer)
+      : object_(object), file_(std::move(file)), pointer_(std::move(pointer)) {
+    if (!object.is_object())
+      throw badInput({file_, "", pointer_}, std::string("is ") + object.type_name(), "a JSON object { ... }");
+  }
+
+  ErrorPlace placeOf(const std::string& name) const { return {file_, "", childPointer(pointer_, name)}; }
+  const std::string& file() const { return file_; }
+
+  // Null if it is not there.
+  const Json* find(const std::string& name) {
+    known_.push_back(name);
+    const auto found = object_.find(name);
+    return found == object_.end() ? nullptr : &*found;
+  }
+  const Json& require(const std::string& name, const std::string& expected) {
+    const Json* found = find(name);
+    if (found == nullptr)
+      throw badInput({file_, "", pointer_}, "the key \"" + name + "\" is missing", expected);
+    return *found;
+  }
+
+  void read(const std::string& name, double& value, Range range) {
+    if (const Json* json = find(name)) value = real(*json, name, range, placeOf(name));
+  }
+  void read(const std::string& name, bool& value) {
+    if (const Json* json = find(name))
+      value = checkParameter(rule(name, ParameterType::kBoolean), *json, placeOf(name));
+  }
+  void read(const std::string& name, Float3& value, Range range) {
+    if (const Json* json = find(name)) value = triple(*json, name, range, placeOf(name));
+  }
+  void readDirection(const std::string& name, Float3& value) {
+    read(name, value, kPosition);
+    if (isZero(value)) throw badInput(placeOf(name), "it has no direction", "three numbers, not all zero");
+  }
+  // The place of the chosen word among `choices`.
+  std::size_t readChoice(const std::string& name, const std::vector<std::string>& choices) {
+    ParameterDescription choice = rule(name, ParameterType::kText);
+    choice.choices = choices;
+    const Json& json = require(name, expectation(choice));
+    const auto word = checkParameter(choice, json, placeOf(name)).get<std::string>();
+    return static_cast<std::size_t>(std::find(choices.begin(), choices.end(), word) - choices.begin());
+  }
+  // An existing file; its name is relative to the folder of this one.
+  fs::path readPath(const std::string& name, const std::string& expected) {
+    const Json text =
+        checkParameter(rule(name, ParameterType::kText), require(name, expected), placeOf(name));
+    const fs::path path = (fs::path(file_).parent_path() / text.get<std::string>()).lexically_normal();
+    if (!fs::is_regular_file(path))
+      throw badInput(placeOf(name), "there is no file " + path.string(), expected,
+                     "write its path relative to the folder of the light rig");
+    return path;
+  }
+
+  static Float3 triple(const Json& json, const std::string& name, Range range, const ErrorPlace& place) {
+    ParameterDescription numbers_rule = rule(name, ParameterType::kRealList, range);
+    numbers_rule.length = 3;
+    const Json numbers = checkParameter(numbers_rule, json, place);
+    return {numbers[0].get<float>(), numbers[1].get<float>(), numbers[2].get<float>()};
+  }
+  static double real(const Json& json, const std::string& name, Range range, const ErrorPlace& place) {
+    return checkParameter(rule(name, ParameterType::kReal, range), json, place).get<double>();
+  }
+  static bool isZero(const Float3& v) { return v[0] == 0 && v[1] == 0 && v[2] == 0; }
+
+  // To be called after everything has been asked for.
+  void refuseOthers() const {
+    for (const auto& [name, ignored] : object_.items()) {
+      if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
+      std::string list;
+      for (const std::string& known : known_) list += (list.empty() ? "" : ", ") + known;
+      const std::string nearest = nearestName(name, known_);
+      throw badInput(placeOf(name), "unknown key \"" + name + "\"", "one of: " + list,
+                     nearest.empty() ? "" : "write \"" + nearest + "\"");
+    }
+  }
+
+ private:
+  const Json& object_;
+  std::string file_, pointer_;
+  std::vector<std::string> known_;
+};
+
+EnvironmentLight readEnvironment(Members& members) {
+  EnvironmentLight light;
+  light.path = members.readPath("image", "an HDR image: lat-long, or a strip of six cube faces");
+  light.image = readImage(light.path);
+  const int width = light.image.width, height = light.image.height;
+  if (width != 2 * height && width != 6 * height && height != 6 * width)
+    throw badInput(
+        members.placeOf("image"),
+        light.path.string() + " is " + std::to_string(width) + " × " + std::to_string(height) + " pixels",
+        "2:1 (lat-long), 6:1 or 1:6 (cube faces +X −X +Y −Y +Z −Z)");
+  members.read("yaw_deg", light.yaw_deg, kTurn);
+  members.read("intensity", light.intensity, kRadiance);
+  return light;
+}
+
+DiskLight readDisk(Members& members) {
+  DiskLight light;
+  members.readDirection("direction", light.direction);
+  members.read("half_angle_deg", light.half_angle_deg, {kSmallest, 180});
+  members.read("radiance", light.radiance, kRadiance);
+  return light;
+}
+
+bool areOpposite(const Float3& a, const Float3& b) {
+  double dot = 0, aa = 0, bb = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    dot += static_cast<double>(a[i]) * b[i];
+    aa += static_cast<double>(a[i]) * a[i];
+    bb += static_cast<double>(b[i]) * b[i];
+  }
+  return dot < -(1 - 1e-12) * std::sqrt(aa * bb);
+}
+
+PolygonLight readPolygon(Members& members) {
+  PolygonLight light;
+  const std::string expected = "a list of at least 3 positions [x, y, z], in order around the polygon";
+  const Json& list = members.require("vertices", expected);
+  const ErrorPlace place = members.placeOf("vertices");
+  if (!list.is_array() || list.size() < 3) throw badInput(place, "it is not such a list", expected);
+  const auto placeOfVertex = [&](std::size_t i) {
+    return ErrorPlace{place.file, "", childPointer(place.pointer, std::to_string(i))};
+  };
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    light.vertices.push_back(Members::triple(list[i], "vertices", kPosition, placeOfVertex(i)));
+    if (Members::isZero(light.vertices.back()))
+      throw badInput(placeOfVertex(i), "it lies at the object itself", "a position as seen from the object");
+  }
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (areOpposite(light.vertices[i], light.vertices[(i + 1) % list.size()]))
+      throw badInput(placeOfVertex(i), "this vertex and the next lie in opposite directions",
+                     "a polygon that spans less than a hemisphere", "put a vertex between them");
+  members.read("radiance", light.radiance, kRadiance);
+  return light;
+}
+
+DirectionalLight readDirectional(Members& members) {
+  DirectionalLight light;
+  members.readDirection("direction", light.direction);
+  members.read("irradiance", light.irradiance, kRadiance);
+  return light;
+}
+
+SkyLight readSky(Members& members) {
+  SkyLight light;
+  members.read("turbidity", light.turbidity, {1.7, 10});
+  members.read("sun_elevation_deg", light.sun_elevation_deg, {-90, 90});
+  members.read("sun_azimuth_deg", light.sun_azimuth_deg, kTurn);
+  members.read("sun", light.sun);
+  members.read("ground_albedo", light.ground_albedo, {0, 1});
+  members.read("intensity", light.intensity, kRadiance);
+  return light;
+}
+
+DistantLight readDistant(const Json& json, const std::string& file, const std::string& pointer) {
+  Members members(json, file, pointer);
+  const std::size_t type =
+      members.readChoice("type", {"environment", "disk", "polygon", "directional", "sky"});
+  DistantLight light = type == 0   ? DistantLight(readEnvironment(members))
+                       : type == 1 ? DistantLight(readDisk(members))
+                       : type == 2 ? DistantLight(readPolygon(members))
+                       : type == 3 ? DistantLight(readDirectional(members))
+                                   : DistantLight(readSky(members));
+  members.refuseOthers();
+  return light;
+}
+
+Motion readMotion(const Json& json, const std::string& file, const std::string& pointer) {
+  Members members(json, file, pointer);
+  Motion motion;
+  const std::size_t kind = members.readChoice("kind", {"still", "orbit", "shuttle"});
+  if (kind == 1) {
+    motion.kind = Motion::Kind::kOrbit;
+    members.readDirection("axis", motion.axis);
+    members.read("center", motion.center, kPosition);
+  } else if (kind == 2) {
+    motion.kind = Motion::Kind::kShuttle;
+    members.require("to", "the position at which it turns round");
+    members.read("to", motion.to, kPosition);
+  }
+  if (kind != 0) members.read("period_s", motion.period_s, {1e-3, 1e6});
+  members.refuseOthers();
+  return motion;
+}
+
+Emitter readEmitter(const Json& json, const std::string& file, const std::string& pointer) {
+  Members members(json, file, pointer);
+  Emitter emitter;
+  const std::size_t shape = members.readChoice("shape", {"quad", "sphere", "mesh"});
+  members.read("position", emitter.position, kPosition);
+  members.read("radiance", emitter.radiance, kRadiance);
+  if (shape == 0) {
+    emitter.shape = Emitter::Shape::kQuad;
+    members.readDirection("normal", emitter.normal);
+    members.read("width", emitter.width, kExtent);
+    members.read("height", emitter.height, kExtent);
+  } else if (shape == 1) {
+    emitter.shape = Emitter::Shape::kSphere;
+    members.read("radius", emitter.radius, kExtent);
+  } else {
+    emitter.shape = Emitter::Shape::kMesh;
+    emitter.path = members.readPath("mesh", "a mesh file, for example .obj or .ply");
+    emitter.mesh = importMesh(emitter.path).mesh;
+    members.read("scale", emitter.scale, kExtent);
+  }
+  if (const Json* motion = members.find("motion"))
+    emitter.motion = readMotion(*motion, file, members.placeOf("motion").pointer);
+  members.refuseOthers();
+  return emitter;
+}
+
+double readWindowing(Members& members) {
+  const Json* json = members.find("windowing");
+  if (json == nullptr) return 0;
+  if (*json == "auto") return kAutomaticWindow;
+  if (json->is_string())
+    throw badInput(members.placeOf("windowing"), json->dump() + " is not a strength",
+                   "\"auto\", or a number of 0 or more", "\"auto\"");
+  return Members::real(*json, "windowing", {0, 1e9}, members.placeOf("windowing"));
+}
+
+// Calls read(element, pointer) for each element of the list `name`, which may be missing.
+template <class Read>
+void readList(Members& members, const std::string& name, const Read& read) {
+  const Json* list = members.find(name);
+  if (list == nullptr) return;
+  const ErrorPlace place = members.placeOf(name);
+  if (!list->is_array()) throw badInput(place, std::string("is ") + list->type_name(), "a list [ ... ]");
+  for (std::size_t i = 0; i < list->size(); ++i)
+    read((*list)[i], childPointer(place.pointer, std::to_string(i)));
+}
+
+}  // namespace
+
+LightRig readLightRig(const fs::path& path) {
+  const std::string file = path.string();
+  const Json json = readJson(path);
+  Members members(json, file, "");
+  LightRig rig;
+  if (members.find("units") != nullptr)
+    rig.object_units = members.readChoice("units", {"object", "world"}) == 0;
+  rig.windowing = readWindowing(members);
+  readList(members, "lights", [&](const Json& light, const std::string& pointer) {
+    rig.distant.push_back(readDistant(light, file, pointer));
+  });
+  readList(members, "emitters", [&](const Json& emitter, const std::string& pointer) {
+    rig.emitters.push_back(readEmitter(emitter, file, pointer));
+  });
+  members.refuseOthers();
+  if (rig.distant.empty() && rig.emitters.empty())
+    throw badInput({file, "", ""}, "there is no light in it", "\"lights\", \"emitters\" or both",
+                   "{\"lights\": [{\"type\": \"disk\"}]}");
+  return rig;
+}
+
+}  // namespace bakelight::formats
