@@ -32,10 +32,11 @@ struct EncodedTable {
   std::vector<float> decode() const;
 };
 
-// Rounds to nearest (ties to even for halves). `values` holds rows × columns; a column whose values are all
-// equal is exact at any precision. Throws Error(kBadInput) naming `file`, `what`, row and column for a value
-// that is not finite, or that does not fit a half (|x| > 65504). `values.size()` must be a multiple of
-// `columns` (std::invalid_argument).
+// Rounds to nearest (ties to even for halves), so kUint8 errs by half a step of the column at most, a 510th
+// of the column's range; a column whose values are all equal is exact then. `values` holds rows × columns.
+// Throws Error(kBadInput) naming `file`, `what`, row and column for a value that is not finite, that does not
+// fit a half (|x| > 65504) or 8-bit codes (|x| > 1e38). `values.size()` must be a multiple of `columns`
+// (std::invalid_argument).
 EncodedTable encodeTable(std::span<const float> values, std::size_t columns, Precision precision,
                          const std::string& file, const std::string& what);
 
