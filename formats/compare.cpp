@@ -232,6 +232,49 @@ class JsonComparer {
   Comparison& comparison_;
 };
 
+// --- packs ---
+
+void compareLists(Comparison& comparison, const std::string& name, const std::vector<float>& values,
+                  const std::vector<float>& reference, const CompareLimits& limits) {
+  if (!agree(comparison, name + " values", values.size(), reference.size()) || values.empty()) return;
+  ValueDifference difference;
+  for (std::size_t i = 0; i < values.size(); ++i) difference.add(values[i], reference[i]);
+  comparison.compared_values += values.size();
+  addValues(comparison, name, difference, limits);
+}
+
+void compareTables(Comparison& comparison, const std::string& name, const EncodedTable& table,
+                   const EncodedTable& reference, const CompareLimits& limits) {
+  bool same_shape = agree(comparison, name + ", precision", std::string(nameOf(table.precision)),
+                          std::string(nameOf(reference.precision)));
+  same_shape &= agree(comparison, name + ", columns", table.columns, reference.columns);
+  if (same_shape) compareLists(comparison, name, table.decode(), reference.decode(), limits);
+}
+
+template <class Vector>
+std::vector<float> flattened(const std::vector<Vector>& vectors) {
+  std::vector<float> values;
+  for (const Vector& vector : vectors) values.insert(values.end(), vector.begin(), vector.end());
+  return values;
+}
+
+void compareGlossy(Comparison& comparison, const RadianceTransfer& transfer,
+                   const RadianceTransfer& reference, const CompareLimits& limits) {
+  agree(comparison, "storage", std::string(nameOf(transfer.storage)), std::string(nameOf(reference.storage)));
+  agree(comparison, "row order", transfer.row_order, reference.row_order);
+  compareLists(comparison, "tangents", flattened(transfer.tangents), flattened(reference.tangents), limits);
+  compareTables(comparison, "matrices", transfer.matrices, reference.matrices, limits);
+  compareTables(comparison, "basis", transfer.basis, reference.basis, limits);
+  agree(comparison, "clusters", transfer.clusters, reference.clusters);
+  const GlossyMaterial &material = transfer.material, &expected = reference.material;
+  agree(comparison, "lobe", std::string(nameOf(material.model)), std::string(nameOf(expected.model)));
+  agree(comparison, "exponent", material.exponent, expected.exponent);
+  agree(comparison, "roughness", material.roughness, expected.roughness);
+  agree(comparison, "specular color", material.specular_color, expected.specular_color);
+  agree(comparison, "BRDF angles", material.table.angles, expected.table.angles);
+  compareLists(comparison, "BRDF", material.table.values, expected.table.values, limits);
+}
+
 std::vector<std::string> sectionNames(const std::filesystem::path& file) {
   std::vector<std::string> names;
   for (const PackSection& section : packSections(readFile(file), file.string()))
@@ -333,15 +376,16 @@ Comparison comparePacks(const Pack& pack, const Pack& reference, const CompareLi
   Comparison comparison = compareMeshes(pack.mesh, reference.mesh, limits);
   agree(comparison, "name", pack.name, reference.name);
   agree(comparison, "base color", pack.base_color, reference.base_color);
-  agree(comparison, "order", pack.transfer.order, reference.transfer.order);
-  agree(comparison, "visibility", pack.transfer.visibility, reference.transfer.visibility);
-  const auto& values = pack.transfer.vectors;
-  if (!agree(comparison, "transfer values", values.size(), reference.transfer.vectors.size()))
-    return comparison;
-  ValueDifference difference;
-  for (std::size_t i = 0; i < values.size(); ++i) difference.add(values[i], reference.transfer.vectors[i]);
-  comparison.compared_values += values.size();
-  addValues(comparison, "transfer", difference, limits);
+  compareLists(comparison, "colors", flattened(pack.colors), flattened(reference.colors), limits);
+  const RadianceTransfer &transfer = pack.transfer, &expected = reference.transfer;
+  agree(comparison, "order", transfer.order, expected.order);
+  agree(comparison, "transport", transfer.transport, expected.transport);
+  agree(comparison, "channels", transfer.channels, expected.channels);
+  compareTables(comparison, "transfer", transfer.vectors, expected.vectors, limits);
+  agree(comparison, "sphere", std::pair(transfer.sphere_center, transfer.sphere_radius),
+        std::pair(expected.sphere_center, expected.sphere_radius));
+  compareTables(comparison, "near transfer", transfer.near_vectors, expected.near_vectors, limits);
+  compareGlossy(comparison, transfer, expected, limits);
   return comparison;
 }
 

@@ -22,11 +22,11 @@ struct CompareLimits {
   double distance = 0;
   // Meshes and packs: largest length of the difference of two normals (of vertices nearest to each other).
   double normal = 0;
-  // Images (per channel), tensors, and the transfer of packs: largest absolute difference of two values.
+  // Images (per channel), tensors, and the tables of packs: largest absolute difference of two values.
   double maximum = 0;
   // Images, per channel: root of the mean squared difference.
   double rms = 0;
-  // Tensors and the transfer of packs: norm of the difference over the reference's norm. JSON: |a − b| over
+  // Tensors and the tables of packs: norm of the difference over the reference's norm. JSON: |a − b| over
   // the larger magnitude, for numbers with a fraction; integers agree exactly.
   double relative = 0;
   // JSON members and metadata keys of tensors that are left out, by name, at any depth.

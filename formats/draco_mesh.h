@@ -1,5 +1,5 @@
-// A triangle mesh as a Draco bitstream, for KHR_draco_mesh_compression. Private to formats/pack.cpp and its
-// tests.
+// A triangle mesh as a Draco bitstream, for KHR_draco_mesh_compression. Private to formats/pack*.cpp and
+// their tests.
 //
 // Edgebreaker (Rossignac 1999) is used, not the sequential coding: it takes two thirds of the bytes when
 // lossless and a third when quantised (docs/FORMATS.md has figures) but reorders vertices, splits

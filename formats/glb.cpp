@@ -159,6 +159,11 @@ Error GlbReader::error(const std::string& pointer, const std::string& what, cons
   return badInput({file_, "", pointer}, what, expected, remedy);
 }
 
+Error GlbReader::sectionError(const std::string& pointer, const std::string& what,
+                              const std::string& expected) const {
+  return badInput({file_, "section " + sections_[unsignedAt(pointer)].name, pointer}, what, expected);
+}
+
 void GlbReader::readChunks() {
   const auto damaged = [this](const std::string& element, const std::string& what,
                               const std::string& expected) {
@@ -193,14 +198,14 @@ void GlbReader::readChunks() {
   const auto json_chunk = takeChunk(kJsonChunk, "JSON chunk");
   json_ = parseJson({reinterpret_cast<const char*>(json_chunk.data()), json_chunk.size()}, file_);
   // First of all, as only a known version says how to check the rest.
-  checkVersion();
+  readVersion();
   checkJsonChunk(json_chunk);
   binary_ = takeChunk(kBinaryChunk, "binary chunk");
   if (!rest.empty())
     throw damaged("", std::to_string(rest.size()) + " bytes follow the binary chunk", "nothing");
 }
 
-void GlbReader::checkVersion() const {
+void GlbReader::readVersion() {
   if (!has(std::string("/extensions/") + kTransferExtension)) {
     throw error("", std::string("it has no ") + kTransferExtension + ": an ordinary glTF model, not a pack",
                 "a pack of Bakelight", "make one with the pack tool");
@@ -211,6 +216,7 @@ void GlbReader::checkVersion() const {
                 "at most " + std::to_string(kPackVersion), "read it with a newer Bakelight");
   }
   if (version == 0) throw error(extensionPointer("version"), "there is no version 0", "1 or more");
+  version_ = static_cast<int>(version);
 }
 
 void GlbReader::checkJsonChunk(std::span<const std::byte> chunk) const {

@@ -3,7 +3,7 @@
 // an error:
 //   GLB and chunk headers: by their only possible values;  JSON chunk: by a checksum of itself, kept inside
 //   it; sections: by a checksum each, kept in the JSON chunk;  padding between and after them: must be zero.
-// Private to formats/pack.cpp and its tests.
+// Private to formats/pack*.cpp and their tests.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -59,25 +59,29 @@ class GlbReader {
   float floatAt(const std::string& pointer) const;
 
   const std::string& file() const { return file_; }
+  int version() const { return version_; }
 
   // Sections in the order of the bufferViews.
   const std::vector<PackSection>& sections() const { return sections_; }
   // The bytes of the bufferView whose index stands at `pointer`.
   std::span<const std::byte> sectionAt(const std::string& pointer) const;
 
+  // `what` is wrong with the section whose index stands at `pointer` (which sectionAt must have accepted).
+  Error sectionError(const std::string& pointer, const std::string& what, const std::string& expected) const;
   // `what` is wrong with the value at `pointer`.
   Error error(const std::string& pointer, const std::string& what, const std::string& expected = "",
               const std::string& remedy = "") const;
 
  private:
   void readChunks();
-  void checkVersion() const;
+  void readVersion();
   void checkJsonChunk(std::span<const std::byte> chunk) const;
   void readSections();
   void checkPadding() const;
 
   std::span<const std::byte> bytes_, binary_;
   std::string file_;
+  int version_ = 0;
   Json json_;
   std::vector<PackSection> sections_;
 };

@@ -34,10 +34,12 @@ Pack readPack(const std::filesystem::path& path);
 
 // What lies where, for inspect and the docs.
 struct PackSection {
-  std::string name;  // "indices", "positions", "normals", "transfer", "draco"
+  std::string name;  // "indices", "positions", "transfer", "matrices": docs/FORMATS.md lists them
   std::uint64_t offset_bytes, size_bytes;
   std::string checksum;
 };
 std::vector<PackSection> packSections(std::span<const std::byte> bytes, const std::string& file);
+// The version that the file has; at most kPackVersion.
+int packVersion(std::span<const std::byte> bytes, const std::string& file);
 
 }  // namespace bakelight::formats
