@@ -2,31 +2,22 @@
 
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "formats/error.h"
 #include "formats/mesh_ply.h"
 #include "formats/stage_record.h"
+#include "tools/inspect/describe_parts.h"
 #include "tools/inspect/image_figures.h"
 #include "tools/inspect/mesh_figures.h"
 #include "tools/inspect/tensor_figures.h"
-#include "transport/sh.h"
 
 namespace bakelight::inspect {
 
-using formats::Float3;
 using formats::Json;
 
 namespace {
 
 constexpr double kUnitTolerance = 1e-4;  // of a normal's length, well above a float's rounding
-
-// Through the decimal text, so that 0.8f is 0.8 and not 0.800000011920929.
-Json listOf(const Float3& v) {
-  Json list = Json::array();
-  for (const float element : v) list.push_back(Json::parse(Json(element).dump()));
-  return list;
-}
 
 Section sizeSection(const MeshFigures& figures) {
   Section size{"size", {}, {}, {}};
@@ -80,15 +71,6 @@ Section attributesSection(const MeshFigures& figures, const std::string& hash) {
           {}};
 }
 
-Section bandSection(std::span<const float> vectors, int order) {
-  const std::vector<double> energies = bandEnergies(vectors, order);
-  const double total = std::accumulate(energies.begin(), energies.end(), 0.0);
-  Section section{"energy_per_sh_band", {}, {"band", "mean_energy", "share_percent"}, {}};
-  for (std::size_t l = 0; l < energies.size(); ++l)
-    section.rows.push_back({l, energies[l], total > 0 ? 100 * energies[l] / total : 0.0});
-  return section;
-}
-
 std::string shapeText(const std::vector<std::uint64_t>& shape) {
   std::string text;
   for (const std::uint64_t extent : shape) text += (text.empty() ? "" : " × ") + std::to_string(extent);
@@ -114,6 +96,18 @@ Section listSection(const std::string& name, const std::string& column,
 
 Json memberOr(const Json& object, const char* name, const Json& otherwise) {
   return object.is_object() && object.contains(name) ? object[name] : otherwise;
+}
+
+// If there is a tensor of that name that holds transfer: vertices × channels × order².
+void addBands(const formats::TensorFile& file, const char* tensor_name, const std::string& section,
+              std::vector<Section>& sections) {
+  const auto entry = file.tensors.find(tensor_name);
+  if (entry == file.tensors.end()) return;
+  const formats::Tensor& tensor = entry->second;
+  if (tensor.type != formats::ElementType::kFloat32 || tensor.shape.empty() || tensor.elementCount() == 0)
+    return;
+  if (const int order = orderOfColumns(tensor.shape.back()))
+    sections.push_back(bandSection(section, tensor.as<float>(), order));
 }
 
 std::vector<Section> describeAssetRecord(const Json& json) {
@@ -195,43 +189,8 @@ std::vector<Section> describeTensors(const formats::TensorFile& file) {
     for (const auto& [key, value] : file.metadata) metadata.figures.push_back({key, value, ""});
     sections.push_back(std::move(metadata));
   }
-  const auto transfer = file.tensors.find("transfer");
-  if (transfer != file.tensors.end() && transfer->second.type == formats::ElementType::kFloat32 &&
-      transfer->second.shape.size() == 2 && transfer->second.elementCount() > 0) {
-    if (const int order = orderOfColumns(transfer->second.shape[1]))
-      sections.push_back(bandSection(transfer->second.as<float>(), order));
-  }
-  return sections;
-}
-
-std::vector<Section> describePack(const formats::Pack& pack, std::span<const std::byte> bytes,
-                                  const std::string& file) {
-  const auto vertices = static_cast<double>(pack.mesh.vertexCount());
-  std::vector<Section> sections = {{"pack",
-                                    {{"version", formats::kPackVersion, ""},
-                                     {"extension", "BAKELIGHT_radiance_transfer", ""},
-                                     {"name", pack.name, ""},
-                                     {"base_color", listOf(pack.base_color), "linear"},
-                                     {"bytes_per_vertex", static_cast<double>(bytes.size()) / vertices, ""}},
-                                    {},
-                                    {}}};
-  // packSections throws unless every checksum holds.
-  Section table{"sections",
-                {},
-                {"section", "offset_bytes", "size_bytes", "bytes_per_vertex", "checksum", "verified"},
-                {}};
-  for (const formats::PackSection& section : formats::packSections(bytes, file))
-    table.rows.push_back({section.name, section.offset_bytes, section.size_bytes,
-                          static_cast<double>(section.size_bytes) / vertices, section.checksum, true});
-  sections.push_back(std::move(table));
-  sections.push_back({"transfer",
-                      {{"order", pack.transfer.order, "bands"},
-                       {"coefficients", transport::coefficientCount(pack.transfer.order), ""},
-                       {"visibility", pack.transfer.visibility, ""}},
-                      {},
-                      {}});
-  sections.push_back(bandSection(pack.transfer.vectors, pack.transfer.order));
-  for (Section& section : describeMesh(pack.mesh, {})) sections.push_back(std::move(section));
+  addBands(file, "transfer", "energy_per_sh_band", sections);
+  addBands(file, "near_transfer", "near_energy_per_sh_band", sections);
   return sections;
 }
 

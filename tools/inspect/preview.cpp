@@ -178,7 +178,7 @@ Preview previewMesh(const TriangleMesh& mesh, const PreviewOptions& options, con
 Preview previewPack(const formats::Pack& pack, const PreviewOptions& options, const std::string& file) {
   const transport::ShLight light = transport::defaultLight(pack.transfer.order);
   std::vector<Float3> radiance =
-      transport::evaluateDiffuse(pack.transfer.vectors, pack.transfer.order, light);
+      transport::evaluateDiffuse(pack.transfer.vectors.decode(), pack.transfer.order, light);
   for (Float3& vertex : radiance)
     for (std::size_t c = 0; c < 3; ++c) vertex[c] *= pack.base_color[c];
   const double exposure = kMiddleValue / meanLuminance(light);

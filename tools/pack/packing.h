@@ -1,7 +1,9 @@
 // Puts a mesh and the transfer baked for it together as one pack. Pure: structs in, struct out.
 #pragma once
 
+#include <map>
 #include <string>
+#include <vector>
 
 #include "formats/pack.h"
 #include "formats/tensors.h"
@@ -11,17 +13,38 @@ namespace bakelight::packing {
 
 // What the stage's files are called, for errors.
 struct SourceNames {
-  std::string mesh, transfer;
+  std::string mesh, transfer, brdf;
 };
 
-// `transfer` is the transfer stage's file (docs/FORMATS.md): tensor "transfer" of float32, vertices × order²,
-// and metadata that say what is inside it. Throws Error(kBadInput) naming tensor or key if it says something
-// that a pack of this version cannot hold, if its shape does not fit the mesh, or if it was baked for another
-// mesh. The pack itself is judged by formats::encodePack.
+struct PackingOptions {
+  std::string name = "asset";
+  formats::Float3 albedo = {0.8F, 0.8F, 0.8F};  // unless the transfer file brings one
+  // Of matrices, visibility vectors or weights. The basis of cpca gets half floats instead of 8-bit codes:
+  // it is small, and its errors would show at every vertex. Diffuse vectors stay floats.
+  formats::Precision precision = formats::Precision::kFloat32;
+  std::string lobe = "none";                            // one of lobeNames()
+  double exponent = 32;                                 // phong, ≥ 0
+  double roughness = 0.3;                               // ggx, 0–1
+  formats::Float3 specular_color = {0.2F, 0.2F, 0.2F};  // phong and ggx, 0–1
+};
+
+// "none", "phong", "ggx", "table".
+const std::vector<std::string>& lobeNames();
+
+// `transfer` is the transfer stage's file and `brdf` (null without one) the brdf tool's; docs/FORMATS.md has
+// both. Throws Error(kBadInput) naming tensor or key if one says something that a pack of this version cannot
+// hold, if a shape does not fit the mesh, or if it was baked for another mesh; at /lobe or /brdf if lobe,
+// transfer and table do not go together: a lobe needs matrices, matrices need a lobe, and a table is read for
+// lobe "table" only. The pack itself is judged by formats::encodePack.
 formats::Pack assemblePack(formats::TriangleMesh mesh, const formats::TensorFile& transfer,
-                           const std::string& name, const formats::Float3& albedo, const SourceNames& files);
+                           const formats::TensorFile* brdf, const PackingOptions& options,
+                           const SourceNames& files);
 
 // Throws Error(kBadInput) at /position_bits or /normal_bits: 0, or 8–30 and 6–30.
 void checkOptions(const formats::PackOptions& options);
+
+// By section of the matrices: √(Σ(decoded − original)² / Σ original²), what the precision costs. Empty for a
+// diffuse pack. `pack` must be assemblePack's of this `transfer`.
+std::map<std::string, double> precisionErrors(const formats::Pack& pack, const formats::TensorFile& transfer);
 
 }  // namespace bakelight::packing

@@ -1,0 +1,16 @@
+// The pack stage's figures.
+#pragma once
+
+#include "formats/file.h"
+#include "formats/pack.h"
+#include "formats/tensors.h"
+#include "tools/stage/stage.h"
+
+namespace bakelight::packing {
+
+// `pack` was assembled from `transfer` and written as `bytes` to `file`. Warns if it reflects more light than
+// it gets.
+void report(const formats::Pack& pack, const formats::TensorFile& transfer, std::span<const std::byte> bytes,
+            const std::string& file, stage::Run& run);
+
+}  // namespace bakelight::packing
