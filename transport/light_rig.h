@@ -10,10 +10,15 @@
 
 namespace bakelight::transport {
 
+// One light of a rig, before windowing; a sky with its ground and sun. Throws Error(kBadInput) for a cube map
+// or polygon that is none, and for light that is not finite.
+ShLight projectLight(const formats::DistantLight& light, int order);
+
 struct RigLight {
-  ShLight light;            // of all distant lights, after windowing; order² entries
-  formats::Image backdrop;  // lat-long R, G, B of the same lights, for the picture; lights too small for it
-                            // are spread over a texel with their power kept
+  ShLight light;  // of all distant lights, after windowing; order² entries
+  // Lat-long R, G, B of the same lights, for the picture: as wide as the widest environment, 256–2048 px.
+  // Lights too small for it are spread over a texel with their power kept.
+  formats::Image backdrop;
   double moved_energy = 0;  // share of the light's squared norm beyond band 0 that windowing took away
   double window = 0;        // strength that was used
 };
@@ -21,7 +26,10 @@ struct RigLight {
 // Throws Error(kBadInput) for light that is not finite.
 RigLight distantLight(const formats::LightRig& rig, int order);
 
-// Emitters as one mesh of flat radiance, placed at `time_s`; in object space. Normals are filled in.
+// Emitters as one mesh of flat radiance, placed at `time_s`; in object space. Normals are filled in. Moving
+// emitters are rigid: an orbit turns them along. A quad's width runs along +Y × normal (+X where that
+// vanishes). A sphere is an icosphere of 1,280 triangles with the area of the ideal sphere; its surface stays
+// within 0.3% of the radius.
 struct EmitterMesh {
   formats::TriangleMesh mesh;
   std::vector<Float3> radiance;  // a vertex; constant over each emitter

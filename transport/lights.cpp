@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "formats/error.h"
+#include "transport/polygon_light.h"
 
 namespace bakelight::transport {
 namespace {
@@ -18,6 +19,8 @@ constexpr double kPi = std::numbers::pi;
 // all three.
 std::array<std::size_t, 3> colorChannels(const formats::Image& image, const std::string& file) {
   if (image.channelCount() == 1) return {0, 0, 0};
+  static const std::vector<std::string> kPlain = {"R", "G", "B"};
+  if (image.channel_names == kPlain) return {0, 1, 2};
   std::array<std::size_t, 3> found{};
   const std::array<std::string, 3> names = {"R", "G", "B"};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -54,11 +57,16 @@ std::vector<double> rowSums(const formats::Image& image, int row, int order,
       for (int i = 0; i < count; ++i) sums[c * count + i] += radiance * basis[i];
     }
   }
-  // Every texel of a row has the same exact solid angle: Δφ (sin of the upper − sin of the lower latitude).
-  const double top = kPi * (0.5 - static_cast<double>(row) / image.height);
-  const double solid_angle_sr = 2 * kPi / image.width * (std::sin(top) - std::sin(top - kPi / image.height));
+  const double solid_angle_sr = latLongTexelSolidAngle(row, image.width, image.height);
   for (double& sum : sums) sum *= solid_angle_sr;
   return sums;
+}
+
+ShLight tinted(std::span<const double> coefficients, const Float3& color) {
+  ShLight light(coefficients.size());
+  for (std::size_t i = 0; i < light.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) light[i][c] = static_cast<float>(color[c] * coefficients[i]);
+  return light;
 }
 
 }  // namespace
@@ -67,6 +75,11 @@ Vec3 directionOfLatLong(double u, double v) {
   const double longitude = kPi * (1 - 2 * u), latitude = kPi * (0.5 - v);
   const double horizontal = std::cos(latitude);
   return {horizontal * std::sin(longitude), std::sin(latitude), horizontal * std::cos(longitude)};
+}
+
+double latLongTexelSolidAngle(int row, int width, int height) {
+  const double top = kPi * (0.5 - static_cast<double>(row) / height);
+  return 2 * kPi / width * (std::sin(top) - std::sin(top - kPi / height));
 }
 
 std::array<double, 2> latLongOfDirection(const Vec3& direction) {
@@ -92,6 +105,15 @@ ShLight projectLatLong(const formats::Image& image, int order, const std::string
   return light;
 }
 
+formats::Image rgbImage(const formats::Image& image, const std::string& file) {
+  const auto channels = colorChannels(image, file);
+  formats::Image rgb(image.width, image.height, {"R", "G", "B"});
+  for (std::size_t texel = 0; 3 * texel < rgb.values.size(); ++texel)
+    for (std::size_t c = 0; c < 3; ++c)
+      rgb.values[3 * texel + c] = image.values[texel * image.channelCount() + channels[c]];
+  return rgb;
+}
+
 Float3 lookUpLatLong(const formats::Image& image, const Vec3& direction) {
   const auto [u, v] = latLongOfDirection(direction);
   const double x = u * image.width - 0.5, y = std::clamp(v * image.height - 0.5, 0.0, image.height - 1.0);
@@ -112,11 +134,15 @@ Float3 lookUpLatLong(const formats::Image& image, const Vec3& direction) {
 }
 
 ShLight diskLight(int order, const Vec3& axis, double half_angle_rad, const Float3& radiance) {
-  const std::vector<double> coefficients = orientZonal(diskLightZonal(order, half_angle_rad), axis);
-  ShLight light(coefficients.size());
-  for (std::size_t i = 0; i < light.size(); ++i)
-    for (std::size_t c = 0; c < 3; ++c) light[i][c] = static_cast<float>(radiance[c] * coefficients[i]);
-  return light;
+  return tinted(orientZonal(diskLightZonal(order, half_angle_rad), axis), radiance);
+}
+
+ShLight directionalLight(int order, const Vec3& direction, const Float3& irradiance) {
+  return tinted(evaluateSh(order, direction), irradiance);
+}
+
+ShLight polygonLight(int order, std::span<const Vec3> vertices, const Float3& radiance) {
+  return tinted(polygonSh(order, vertices), radiance);
 }
 
 ShLight uniformLight(int order, const Float3& radiance) {
@@ -130,6 +156,17 @@ ShLight sum(const ShLight& a, const ShLight& b) {
   for (std::size_t i = 0; i < total.size(); ++i)
     for (std::size_t c = 0; c < 3; ++c) total[i][c] += b.at(i)[c];
   return total;
+}
+
+ShLight scaled(const ShLight& light, double factor) {
+  ShLight product = light;
+  for (Float3& coefficient : product)
+    for (float& value : coefficient) value = static_cast<float>(value * factor);
+  return product;
+}
+
+double luminance(const Float3& rgb) {
+  return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
 }
 
 ShLight defaultLight(int order) {
