@@ -8,6 +8,7 @@
 
 #include "formats/error.h"
 #include "transport/cube_map.h"
+#include "transport/evaluator.h"
 #include "transport/windowing.h"
 
 namespace bakelight::transport {
@@ -134,6 +135,29 @@ TEST(LightRig, TurningTheRigRotatesTheLight) {
   sky.sun_azimuth_deg = yaw_deg;
   const ShLight after = distantLight(rigOf({environment, disk, polygon, sky}), 7).light;
   expectNear(after, ShRotation(7, turn).apply(before), 2e-5 * before[0][1]);
+}
+
+// A body turned by R under a light shines as the unturned body does under the light turned by R⁻¹.
+TEST(LightRig, TurningTheBodyIsTurningTheLightBack) {
+  const int order = 6;
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.3, Vec3(1, -1, 2).normalized()).toRotationMatrix();
+  const ShLight light = distantLight(rigOf({formats::SkyLight{}, formats::DiskLight{}}), order).light;
+  const auto convexTransfer = [&](const Eigen::Matrix3d& world_from_body) {
+    std::vector<float> vectors;
+    const auto factors = clampedCosineFactors(order);
+    for (const Vec3& normal : {Vec3(1, 0, 0), Vec3(0, 0.6, 0.8), Vec3(-2, 1, -2).normalized()}) {
+      const auto basis = evaluateSh(order, world_from_body * normal);
+      for (int l = 0; l < order; ++l)
+        for (int i = l * l; i < (l + 1) * (l + 1); ++i)
+          vectors.push_back(static_cast<float>(factors[l] / kPi * basis[i]));
+    }
+    return vectors;
+  };
+  const auto turned_body = evaluateDiffuse(convexTransfer(turn), order, light);
+  const ShLight turned_light = ShRotation(order, turn.transpose()).apply(light);
+  const auto turned_back = evaluateDiffuse(convexTransfer(Eigen::Matrix3d::Identity()), order, turned_light);
+  for (std::size_t v = 0; v < turned_body.size(); ++v)
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(turned_body[v][c], turned_back[v][c], 1e-5 * light[0][1]);
 }
 
 // The yaw turns the picture the same way as the light: both equal a picture made for the turned directions.

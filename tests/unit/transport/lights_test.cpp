@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "formats/error.h"
+#include "tests/unit/transport/quadrature.h"
 #include "transport/evaluator.h"
 
 namespace bakelight::transport {
@@ -120,6 +121,29 @@ TEST(Lights, RotatingADiskMovesItsAxis) {
   const ShLight expected = diskLight(6, turn * axis, 0.3, {1, 2, 3});
   for (std::size_t i = 0; i < expected.size(); ++i)
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(rotated[i][c], expected[i][c], 1e-6);
+}
+
+// ∫ y_lm over the disk, by Gauss–Legendre between its edge and its centre and equal steps around it.
+TEST(Lights, DiskEqualsQuadratureAtAllOrdersAndAngles) {
+  const auto heights = gaussLegendre(12);  // exact to degree 23
+  constexpr int kColumns = 24;
+  for (const double half_angle : {0.0, 1e-4, 0.005, 0.3, 1.0, kPi / 2, 2.0, 3.0, kPi}) {
+    const double edge = std::cos(half_angle), half_height = std::pow(std::sin(half_angle / 2), 2);
+    for (int order = 1; order <= kMaxOrder; ++order) {
+      std::vector<double> integral(coefficientCount(order), 0.0);
+      for (const auto& [x, weight] : heights)
+        for (int column = 0; column < kColumns; ++column) {
+          const double z = edge + (1 + x) * half_height, r = std::sqrt(std::max(0.0, 1 - z * z));
+          const double phi = 2 * kPi * (column + 0.5) / kColumns;
+          const auto basis = evaluateSh(order, Vec3(r * std::cos(phi), r * std::sin(phi), z));
+          for (std::size_t i = 0; i < integral.size(); ++i)
+            integral[i] += basis[i] * weight * half_height * 2 * kPi / kColumns;
+        }
+      const auto disk = orientZonal(diskLightZonal(order, half_angle), Vec3::UnitZ());
+      for (std::size_t i = 0; i < disk.size(); ++i)
+        EXPECT_NEAR(disk[i], integral[i], 1e-12) << half_angle << ", coefficient " << i;
+    }
+  }
 }
 
 // A surface facing a disk of half angle a and radiance 1 has irradiance π sin² a. What truncation leaves
