@@ -101,7 +101,7 @@ TEST_F(DefaultRecipe, DeliversTheBunny) {
   const formats::Pack pack = formats::readPack(driver_->out() / "bunny/bunny.glb");
   EXPECT_EQ(pack.name, "bunny");
   EXPECT_EQ(pack.transfer.order, 5);
-  EXPECT_EQ(pack.transfer.visibility, "shadowed");
+  EXPECT_EQ(pack.transfer.transport, "shadowed");
   EXPECT_NEAR(static_cast<double>(pack.mesh.vertexCount()), 10800, 200);
   // An ordinary glTF reader sees the same triangles.
   EXPECT_EQ(formats::importMesh(driver_->out() / "bunny/bunny.glb").mesh.triangleCount(),
@@ -109,8 +109,9 @@ TEST_F(DefaultRecipe, DeliversTheBunny) {
 }
 
 TEST_F(DefaultRecipe, PixelsAreThoseOfTheCpu) {
-  const auto result = comparePlayerWithCpu(kBin / "player", driver_->out() / "bunny/bunny.glb",
-                                           kData / "probes/sunrise.exr", {}, *folder_ / "pictures");
+  const auto result =
+      comparePlayerWithCpu(kBin / "player", driver_->out() / "bunny/bunny.glb",
+                           {.environment_path = kData / "probes/sunrise.exr"}, {}, *folder_ / "pictures");
   EXPECT_TRUE(result.agrees()) << result.summary();
   std::printf("%s\n", result.summary().c_str());
   // The picture that was compared is the one that was delivered.

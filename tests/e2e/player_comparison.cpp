@@ -9,9 +9,10 @@
 #include "formats/image.h"
 #include "formats/pack.h"
 #include "tests/e2e/silhouette.h"
-#include "tools/player/picture_file.h"
+#include "tools/player/light_file.h"
 #include "transport/cpu_renderer.h"
-#include "transport/evaluator.h"
+#include "transport/glossy_evaluator.h"
+#include "transport/light_rig.h"
 
 namespace bakelight::tests {
 namespace {
@@ -25,11 +26,12 @@ std::string quoted(const fs::path& path) {
   return text += "'";
 }
 
-void runPlayer(const fs::path& executable, const fs::path& pack_path, const fs::path& environment_path,
+void runPlayer(const fs::path& executable, const fs::path& pack_path, const PlayerLights& lights,
                const player::FrameSettings& settings, const fs::path& picture_path) {
   std::string command =
       quoted(executable) + " --pack " + quoted(pack_path) + " --image " + quoted(picture_path);
-  if (!environment_path.empty()) command += " --environment " + quoted(environment_path);
+  if (!lights.environment_path.empty()) command += " --environment " + quoted(lights.environment_path);
+  if (!lights.rig_path.empty()) command += " --lights " + quoted(lights.rig_path);
   const auto option = [&](const std::string& name, const std::string& value) {
     command += " --" + name + "=" + value;
   };
@@ -42,6 +44,11 @@ void runPlayer(const fs::path& executable, const fs::path& pack_path, const fs::
   option("field-of-view-deg", std::to_string(settings.field_of_view_deg));
   option("light-yaw-deg", std::to_string(settings.light_yaw_deg));
   option("light-pitch-deg", std::to_string(settings.light_pitch_deg));
+  option("object-yaw-deg", std::to_string(settings.object_yaw_deg));
+  option("object-pitch-deg", std::to_string(settings.object_pitch_deg));
+  option("time-s", std::to_string(settings.time_s));
+  option("windowing", std::to_string(lights.windowing));
+  option("cube-resolution", std::to_string(lights.cube_resolution));
   option("auto-exposure", settings.auto_exposure ? "true" : "false");
   option("exposure-ev", std::to_string(settings.exposure_ev));
   option("background", player::backgroundNames()[static_cast<std::size_t>(settings.background)]);
@@ -53,45 +60,94 @@ void runPlayer(const fs::path& executable, const fs::path& pack_path, const fs::
 struct CpuFrame {
   formats::Image display;
   std::vector<bool> silhouette;  // pixels
-  std::vector<bool> object;      // pixels whose first subsample hits
+  enum class Seen { kBackdrop, kObject, kEmitter };
+  std::vector<Seen> seen;  // by the first subsample of each pixel
 };
 
-transport::Backdrop backdropOf(const player::Environment& environment,
-                               const player::FrameSettings& settings) {
+transport::Backdrop backdropOf(const player::Lighting& lighting, const player::FrameSettings& settings) {
   const Eigen::Matrix3d light_from_world = player::worldFromLight(settings).transpose();
-  return [&environment, background = settings.background,
+  return [&lighting, background = settings.background,
           light_from_world](const Vec3& direction) -> formats::Float4 {
     if (background == player::Background::kTransparent) return {0, 0, 0, 0};
     if (background == player::Background::kBlack) return {0, 0, 0, 1};
-    const auto radiance = transport::lookUpLatLong(environment.image, light_from_world * direction);
+    const auto radiance = transport::lookUpLatLong(lighting.backdrop, light_from_world * direction);
     return {radiance[0], radiance[1], radiance[2], 1};
   };
 }
 
-CpuFrame renderFrameOnCpu(const formats::Pack& pack, const player::Environment& environment,
-                          const player::FrameSettings& settings) {
-  const transport::ShRotation rotation(pack.transfer.order, player::worldFromLight(settings));
-  const auto light = rotation.apply(environment.light);
-  auto radiance = transport::evaluateDiffuse(pack.transfer.vectors, pack.transfer.order, light);
-  for (auto& vertex : radiance)
-    for (std::size_t c = 0; c < 3; ++c) vertex[c] *= pack.base_color[c];
+// Turns positions about `center`.
+void turn(std::vector<formats::Float3>& positions, const Eigen::Matrix3d& rotation, const Vec3& center) {
+  for (auto& position : positions)
+    position = transport::float3(rotation * (transport::vec3(position) - center) + center);
+}
 
-  const auto camera = player::frameCamera(settings, transport::boundingSphere(pack.mesh));
-  const transport::RayScene scene(pack.mesh);
+// What the emitters send to the virtual sphere's centre, in the frame of an object that is turned; empty
+// without emitters.
+transport::ShLight nearLight(const formats::Pack& pack, const player::Lighting& lighting, double time_s,
+                             const Eigen::Matrix3d& world_from_object) {
+  if (lighting.near.emitters.empty()) return {};
+  const auto bounds = transport::boundingSphere(pack.mesh);
+  transport::EmitterMesh emitters = transport::emitterMesh(lighting.near, bounds, time_s);
+  turn(emitters.mesh.positions, world_from_object.transpose(), bounds.center);
+  const Vec3 center =
+      pack.transfer.near_vectors.empty() ? bounds.center : transport::vec3(pack.transfer.sphere_center);
+  const auto cube = transport::renderEmitterCube(emitters, center, lighting.cube_resolution);
+  return transport::projectCubeMap(cube, pack.transfer.order, "emitters");
+}
+
+void append(formats::TriangleMesh& mesh, const formats::TriangleMesh& other) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertexCount());
+  mesh.positions.insert(mesh.positions.end(), other.positions.begin(), other.positions.end());
+  for (const auto& [a, b, c] : other.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
+}
+
+CpuFrame renderFrameOnCpu(const formats::Pack& pack, const player::Lighting& lighting,
+                          const player::FrameSettings& settings) {
+  const auto bounds = transport::boundingSphere(pack.mesh);
+  const auto camera = player::frameCamera(settings, bounds);
+  const Eigen::Matrix3d world_from_object = player::worldFromObject(settings);
+  const transport::ShRotation rotation(pack.transfer.order,
+                                       world_from_object.transpose() * player::worldFromLight(settings));
+  const auto near_light = nearLight(pack, lighting, settings.time_s, world_from_object);
+  const Vec3 eye = world_from_object.transpose() * (camera.eye() - bounds.center) + bounds.center;
+  auto radiance = transport::evaluatePack(pack, rotation.apply(lighting.distant), near_light, eye);
+
+  formats::TriangleMesh scene_mesh;
+  scene_mesh.positions = pack.mesh.positions;
+  scene_mesh.triangles = pack.mesh.triangles;
+  turn(scene_mesh.positions, world_from_object, bounds.center);
+  auto exposure_light = lighting.distant;
+  if (!lighting.near.emitters.empty()) {
+    const auto emitters = transport::emitterMesh(lighting.near, bounds, settings.time_s);
+    append(scene_mesh, emitters.mesh);
+    radiance.insert(radiance.end(), emitters.radiance.begin(), emitters.radiance.end());
+    exposure_light =
+        transport::sum(exposure_light, nearLight(pack, lighting, 0, Eigen::Matrix3d::Identity()));
+  }
+
+  const transport::RayScene scene(scene_mesh);
   const transport::PictureGrid grid{settings.width_px, settings.height_px, settings.supersampling};
   const auto picture =
-      transport::renderOnCpu(pack.mesh, scene, radiance, camera, grid, backdropOf(environment, settings));
+      transport::renderOnCpu(scene_mesh, scene, radiance, camera, grid, backdropOf(lighting, settings));
   CpuFrame frame;
-  const auto exposure = static_cast<float>(player::exposureFactor(settings, environment.light));
+  const auto exposure = static_cast<float>(player::exposureFactor(settings, exposure_light));
   frame.display = transport::encodeForDisplay(picture.linear, exposure);
-  frame.silhouette = silhouettePixels(pack.mesh, picture, camera, grid);
+  frame.silhouette = silhouettePixels(scene_mesh, picture, camera, grid);
   const std::size_t columns = static_cast<std::size_t>(grid.width_px) * grid.supersampling;
   for (int y = 0; y < grid.height_px; ++y)
     for (int x = 0; x < grid.width_px; ++x) {
-      const std::size_t first_subsample = (y * columns + x) * grid.supersampling;
-      frame.object.push_back(picture.hits[first_subsample].valid());
+      const auto& hit = picture.hits[(y * columns + x) * grid.supersampling];
+      const bool object = hit.valid() && hit.triangle < pack.mesh.triangleCount();
+      frame.seen.push_back(!hit.valid() ? CpuFrame::Seen::kBackdrop
+                           : object     ? CpuFrame::Seen::kObject
+                                        : CpuFrame::Seen::kEmitter);
     }
   return frame;
+}
+
+std::size_t& countOf(CpuFrame::Seen seen, PlayerComparison& result) {
+  if (seen == CpuFrame::Seen::kBackdrop) return result.backdrop_pixels;
+  return seen == CpuFrame::Seen::kObject ? result.object_pixels : result.emitter_pixels;
 }
 
 int largestCodeDifference(const float* a, const float* b) {
@@ -107,28 +163,30 @@ int largestCodeDifference(const float* a, const float* b) {
 std::string PlayerComparison::summary() const {
   return "largest difference " + std::to_string(largest_difference) + "/255 at pixel " +
          std::to_string(worst_x) + ", " + std::to_string(worst_y) + "; " + std::to_string(differing_pixels) +
-         " pixels differ; compared " + std::to_string(object_pixels) + " object and " +
-         std::to_string(backdrop_pixels) + " backdrop pixels of " + std::to_string(pixels) + ", left out " +
-         std::to_string(silhouette_pixels) + " silhouette pixels";
+         " pixels differ; compared " + std::to_string(object_pixels) + " object, " +
+         std::to_string(emitter_pixels) + " emitter and " + std::to_string(backdrop_pixels) +
+         " backdrop pixels of " + std::to_string(pixels) + ", left out " + std::to_string(silhouette_pixels) +
+         " silhouette pixels";
 }
 
 PlayerComparison comparePlayerWithCpu(const fs::path& player_executable, const fs::path& pack_path,
-                                      const fs::path& environment_path, const player::FrameSettings& settings,
+                                      const PlayerLights& lights, const player::FrameSettings& settings,
                                       const fs::path& folder) {
   const fs::path picture_path = folder / "player.png";
-  runPlayer(player_executable, pack_path, environment_path, settings, picture_path);
+  runPlayer(player_executable, pack_path, lights, settings, picture_path);
   const formats::Image played = formats::readImage(picture_path);
 
   const formats::Pack pack = formats::readPack(pack_path);
-  const player::Environment environment =
-      environment_path.empty() ? player::defaultEnvironment(pack.transfer.order)
-                               : player::readEnvironment(environment_path, pack.transfer.order);
-  const CpuFrame cpu = renderFrameOnCpu(pack, environment, settings);
+  player::Lighting lighting =
+      player::readLighting(lights.environment_path, lights.rig_path, pack.transfer.order, lights.windowing);
+  lighting.cube_resolution = lights.cube_resolution;
+  const CpuFrame cpu = renderFrameOnCpu(pack, lighting, settings);
   formats::writePng(folder / "cpu.png", cpu.display);
   if (played.width != cpu.display.width || played.height != cpu.display.height || played.channelCount() != 4)
     throw std::runtime_error(picture_path.string() + " has another size than was asked for");
 
   PlayerComparison result;
+  result.allowed_difference = pack.transfer.storage == formats::MatrixStorage::kNone ? 1 : 2;
   result.pixels = cpu.silhouette.size();
   for (int y = 0; y < played.height; ++y)
     for (int x = 0; x < played.width; ++x) {
@@ -137,7 +195,7 @@ PlayerComparison comparePlayerWithCpu(const fs::path& player_executable, const f
         ++result.silhouette_pixels;
         continue;
       }
-      ++(cpu.object[pixel] ? result.object_pixels : result.backdrop_pixels);
+      ++countOf(cpu.seen[pixel], result);
       const int difference = largestCodeDifference(played.texel(x, y), cpu.display.texel(x, y));
       if (difference > 0) ++result.differing_pixels;
       if (difference > result.largest_difference) {

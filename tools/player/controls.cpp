@@ -24,6 +24,11 @@ void dragLight(FrameSettings& settings, double dx_px, double dy_px) {
   settings.light_pitch_deg = wrapped(settings.light_pitch_deg + kDegreesPerPixel * dy_px);
 }
 
+void dragObject(FrameSettings& settings, double dx_px, double dy_px) {
+  settings.object_yaw_deg = wrapped(settings.object_yaw_deg + kDegreesPerPixel * dx_px);
+  settings.object_pitch_deg = wrapped(settings.object_pitch_deg + kDegreesPerPixel * dy_px);
+}
+
 void zoom(FrameSettings& settings, double steps) {
   settings.distance = std::clamp(settings.distance * std::pow(0.9, steps), 0.2, 20.0);
 }

@@ -1,4 +1,5 @@
-// What a picture of a pack shows, free of GL: camera, light and exposure from a few plain settings.
+// What a picture of a pack shows, free of GL: camera, turned light and object, and exposure from a few plain
+// settings.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,24 +25,13 @@ struct FrameSettings {
   double yaw_deg = 25, pitch_deg = 15;  // of the camera, see transport::OrbitCamera
   double distance = 1;                  // 1: the object's bounding sphere just fits
   double field_of_view_deg = 35;        // vertical
-  double light_yaw_deg = 0, light_pitch_deg = 0;
+  double light_yaw_deg = 0, light_pitch_deg = 0;    // turn the distant light; emitters stay
+  double object_yaw_deg = 0, object_pitch_deg = 0;  // turn the object about its middle; all light stays
+  double time_s = 0;                                // of moving emitters
   bool auto_exposure = true;
   double exposure_ev = 0;  // stops above the automatic exposure, or above 1 without it
   Background background = Background::kEnvironment;
 };
-
-// The light that a pack is played under: an environment image and its projection at the pack's order.
-struct Environment {
-  formats::Image image;      // lat-long, channels R, G, B
-  transport::ShLight light;  // order² coefficients
-};
-
-// Throws Error(kBadInput) naming `file` for what transport::projectLatLong throws for, and for light that is
-// not finite.
-Environment environmentFromImage(formats::Image image, int order, const std::string& file);
-
-// transport::defaultLight, and an image of it: its SH sum, black where that is negative.
-Environment defaultEnvironment(int order);
 
 // Orbits the mesh's bounding sphere at `distance` times the framing distance of transport::frameSphere.
 transport::OrbitCamera frameCamera(const FrameSettings& settings, const transport::BoundingSphere& bounds);
@@ -50,9 +40,13 @@ transport::OrbitCamera frameCamera(const FrameSettings& settings, const transpor
 // right-handed.
 Eigen::Matrix3d worldFromLight(const FrameSettings& settings);
 
-// The factor on radiance before display encoding. Automatic: the light's mean radiance (luminance, Rec. 709),
-// which a white object returns on average, goes to kMiddleValue. So it depends on the light alone, not on
-// camera or object.
+// The same of the object: world directions of what an unturned object has in its own space.
+Eigen::Matrix3d worldFromObject(const FrameSettings& settings);
+
+// The factor on radiance before display encoding. Automatic: the mean radiance (luminance, Rec. 709) of all
+// light, which a white object returns on average, goes to kMiddleValue. `light` is the distant light, plus
+// the near one as it is at time 0 for an unturned object, so exposure depends on the lights alone, and stays
+// while they, the camera or the object move.
 inline constexpr double kMiddleValue = 0.32;
 double exposureFactor(const FrameSettings& settings, const transport::ShLight& light);
 

@@ -6,6 +6,17 @@
 #include "formats/error.h"
 
 namespace bakelight::player {
+namespace {
+
+void requireComplete(const Framebuffer& framebuffer) {
+  const GLenum status = glCheckNamedFramebufferStatus(framebuffer.name(), GL_DRAW_FRAMEBUFFER);
+  if (status != GL_FRAMEBUFFER_COMPLETE)
+    throw Error(ExitStatus::kNotAvailable, {"", "framebuffer", ""},
+                "this OpenGL cannot draw into the picture's format (status " + std::to_string(status) + ")",
+                "32-bit float colour and depth", "a smaller picture, or another driver");
+}
+
+}  // namespace
 
 Buffer makeBuffer(std::size_t size_bytes, const void* data, GLbitfield flags) {
   GLuint name = 0;
@@ -14,6 +25,12 @@ Buffer makeBuffer(std::size_t size_bytes, const void* data, GLbitfield flags) {
   const bool empty = size_bytes == 0;
   glNamedBufferStorage(name, empty ? 4 : static_cast<GLsizeiptr>(size_bytes), empty ? nullptr : data, flags);
   return buffer;
+}
+
+std::size_t sizeInBytes(const Buffer& buffer) {
+  GLint64 size_bytes = 0;
+  if (buffer.name() != 0) glGetNamedBufferParameteri64v(buffer.name(), GL_BUFFER_SIZE, &size_bytes);
+  return static_cast<std::size_t>(size_bytes);
 }
 
 Texture makeTexture(GLenum format, int width_px, int height_px) {
@@ -34,11 +51,17 @@ Framebuffer makeFramebuffer(const Texture& color, const Texture& depth) {
   Framebuffer framebuffer(name);
   glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, color.name(), 0);
   if (depth.name() != 0) glNamedFramebufferTexture(name, GL_DEPTH_ATTACHMENT, depth.name(), 0);
-  const GLenum status = glCheckNamedFramebufferStatus(name, GL_DRAW_FRAMEBUFFER);
-  if (status != GL_FRAMEBUFFER_COMPLETE)
-    throw Error(ExitStatus::kNotAvailable, {"", "framebuffer", ""},
-                "this OpenGL cannot draw into the picture's format (status " + std::to_string(status) + ")",
-                "32-bit float colour and depth", "a smaller picture, or another driver");
+  requireComplete(framebuffer);
+  return framebuffer;
+}
+
+Framebuffer makeLayerFramebuffer(const Texture& color_layers, int layer, const Texture& depth) {
+  GLuint name = 0;
+  glCreateFramebuffers(1, &name);
+  Framebuffer framebuffer(name);
+  glNamedFramebufferTextureLayer(name, GL_COLOR_ATTACHMENT0, color_layers.name(), 0, layer);
+  glNamedFramebufferTexture(name, GL_DEPTH_ATTACHMENT, depth.name(), 0);
+  requireComplete(framebuffer);
   return framebuffer;
 }
 

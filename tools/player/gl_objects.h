@@ -58,10 +58,14 @@ using Shader = GlObject<ShaderTraits>;
 // Immutable storage of `size_bytes`, filled from `data` unless that is null. A size of 0 gets 4 bytes, as GL
 // knows no empty storage. `flags` as for glNamedBufferStorage.
 Buffer makeBuffer(std::size_t size_bytes, const void* data, GLbitfield flags = 0);
+// Bytes of a buffer's storage; 0 for one that owns nothing.
+std::size_t sizeInBytes(const Buffer& buffer);
 // One level, no filtering, clamped to the edge. `format` is sized: GL_RGBA32F.
 Texture makeTexture(GLenum format, int width_px, int height_px);
 // Throws Error(kNotAvailable) if GL calls the combination incomplete. `depth` may own nothing.
 Framebuffer makeFramebuffer(const Texture& color, const Texture& depth);
+// The same with one layer of an array texture.
+Framebuffer makeLayerFramebuffer(const Texture& color_layers, int layer, const Texture& depth);
 VertexArray makeVertexArray();
 
 }  // namespace bakelight::player

@@ -1,7 +1,6 @@
 #include "tools/player/gl_program.h"
 
-#include <string>
-#include <vector>
+#include <utility>
 
 #include "formats/error.h"
 
@@ -16,7 +15,9 @@ Error refused(const std::string& shader, const std::string& step, const std::str
 
 Shader compile(const Stage& stage) {
   Shader shader(glCreateShader(stage.type));
-  glShaderSource(shader.name(), 1, &stage.source.text, nullptr);
+  std::vector<const char*> texts = {"#version 450 core\n", stage.definitions.c_str()};
+  for (const ShaderSource& part : stage.parts) texts.push_back(part.text);
+  glShaderSource(shader.name(), static_cast<GLsizei>(texts.size()), texts.data(), nullptr);
   glCompileShader(shader.name());
   GLint compiled = GL_FALSE, log_length = 0;
   glGetShaderiv(shader.name(), GL_COMPILE_STATUS, &compiled);
@@ -25,18 +26,18 @@ Shader compile(const Stage& stage) {
   std::string log(static_cast<std::size_t>(log_length), '\0');
   glGetShaderInfoLog(shader.name(), log_length, &log_length, log.data());
   log.resize(static_cast<std::size_t>(log_length));
-  throw refused(stage.source.file_name, "does not compile it", log);
+  throw refused(stage.parts.back().file_name, "does not compile it", log);
 }
 
 }  // namespace
 
-Program makeProgram(std::initializer_list<Stage> stages) {
+Program makeProgram(const std::vector<Stage>& stages) {
   Program program(glCreateProgram());
   std::string names;
   for (const Stage& stage : stages) {
     // An attached shader lives on in its program when its own name goes.
     glAttachShader(program.name(), compile(stage).name());
-    names += (names.empty() ? "" : " + ") + std::string(stage.source.file_name);
+    names += (names.empty() ? "" : " + ") + std::string(stage.parts.back().file_name);
   }
   glLinkProgram(program.name());
   GLint linked = GL_FALSE, log_length = 0;
@@ -47,6 +48,10 @@ Program makeProgram(std::initializer_list<Stage> stages) {
   glGetProgramInfoLog(program.name(), log_length, &log_length, log.data());
   log.resize(static_cast<std::size_t>(log_length));
   throw refused(names, "does not link it", log);
+}
+
+Program makeComputeProgram(std::vector<ShaderSource> parts, std::string definitions) {
+  return makeProgram({{GL_COMPUTE_SHADER, std::move(parts), std::move(definitions)}});
 }
 
 }  // namespace bakelight::player

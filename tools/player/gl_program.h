@@ -1,20 +1,25 @@
 // Compiles and links the embedded shaders.
 #pragma once
 
-#include <initializer_list>
+#include <string>
+#include <vector>
 
 #include "tools/player/gl_objects.h"
 #include "tools/player/shader_sources.h"
 
 namespace bakelight::player {
 
+// One shader: its parts in order, behind "#version 450 core" and `definitions` (lines of "#define NAME
+// VALUE"), by which one source serves several precisions and storages.
 struct Stage {
   GLenum type;  // GL_VERTEX_SHADER, ...
-  const ShaderSource& source;
+  std::vector<ShaderSource> parts;
+  std::string definitions = {};
 };
 
 // Throws Error(kNotAvailable) naming the shader, with the driver's log: the shaders are ours and valid, so it
 // is this driver that cannot take them.
-Program makeProgram(std::initializer_list<Stage> stages);
+Program makeProgram(const std::vector<Stage>& stages);
+Program makeComputeProgram(std::vector<ShaderSource> parts, std::string definitions = "");
 
 }  // namespace bakelight::player

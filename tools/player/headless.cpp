@@ -28,14 +28,17 @@ double medianMilliseconds(const Work& work) {
 
 }  // namespace
 
-HeadlessPicture renderHeadless(const formats::Pack& pack, const Environment& environment,
+HeadlessPicture renderHeadless(const formats::Pack& pack, const Lighting& lighting,
                                const FrameSettings& settings, PictureEncoding encoding) {
   const HeadlessContext context;
-  Renderer renderer(pack, environment);
+  Renderer renderer(pack, lighting);
   HeadlessPicture picture;
   picture.gl_renderer = glRendererName();
   picture.exposure = renderer.exposure(settings);
   picture.light_change_ms = medianMilliseconds([&] { renderer.updateLight(settings); });
+  if (renderer.hasEmitters())
+    picture.cube_ms = medianMilliseconds([&] { renderer.updateNearLight(settings); });
+  picture.gpu_bytes = renderer.gpuBytes();
   picture.frame_ms = medianMilliseconds([&] {
     renderer.draw(settings);
     picture.image = encoding == PictureEncoding::kDisplay ? renderer.target().displayImage(picture.exposure)

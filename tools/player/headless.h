@@ -1,11 +1,14 @@
 // One frame of a pack without a window.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 
 #include "formats/image.h"
 #include "formats/pack.h"
 #include "tools/player/frame.h"
+#include "tools/player/lighting.h"
 
 namespace bakelight::player {
 
@@ -18,13 +21,15 @@ struct HeadlessPicture {
   formats::Image image;  // R, G, B, A
   float exposure = 1;    // the factor that display encoding applies
   // Medians of five, until GL has finished.
-  double light_change_ms = 0;  // rotating the light and evaluating it at all vertices
-  double frame_ms = 0;         // drawing, resolving and reading back, with the light unchanged
+  double light_change_ms = 0;     // turning the distant light and evaluating it at all vertices
+  std::optional<double> cube_ms;  // placing the emitters, drawing their cube map, projecting it; if any
+  double frame_ms = 0;  // reflecting towards the eye, drawing, resolving and reading back, lights unchanged
+  std::size_t gpu_bytes = 0;  // of buffers and textures, without the picture
   std::string gl_renderer;
 };
 
 // Throws Error(kNotAvailable) without OpenGL 4.5, and what Renderer throws.
-HeadlessPicture renderHeadless(const formats::Pack& pack, const Environment& environment,
+HeadlessPicture renderHeadless(const formats::Pack& pack, const Lighting& lighting,
                                const FrameSettings& settings, PictureEncoding encoding);
 
 }  // namespace bakelight::player

@@ -18,10 +18,6 @@ PictureEncoding encodingFor(const std::filesystem::path& picture_path) {
               "is no kind of picture that the player writes", "a name that ends in .png or .exr");
 }
 
-Environment readEnvironment(const std::filesystem::path& path, int order) {
-  return environmentFromImage(formats::readImage(path), order, path.string());
-}
-
 void writePicture(const std::filesystem::path& path, const formats::Image& image, PictureEncoding encoding) {
   if (encoding == PictureEncoding::kDisplay)
     formats::writePng(path, image);

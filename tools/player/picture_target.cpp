@@ -41,7 +41,7 @@ void flipRows(std::vector<Value>& values, int width_px, int height_px) {
 
 PictureTarget::PictureTarget()
     : resolve_program_(
-          makeProgram({{GL_VERTEX_SHADER, kFullscreenVert}, {GL_FRAGMENT_SHADER, kResolveFrag}})),
+          makeProgram({{GL_VERTEX_SHADER, {kFullscreenVert}}, {GL_FRAGMENT_SHADER, {kResolveFrag}}})),
       no_attributes_(makeVertexArray()) {}
 
 void PictureTarget::resize(int width_px, int height_px, int supersampling) {

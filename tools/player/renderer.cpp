@@ -1,7 +1,8 @@
 #include "tools/player/renderer.h"
 
+#include <algorithm>
 #include <cmath>
-#include <Eigen/LU>
+#include <Eigen/Geometry>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -26,6 +27,19 @@ std::vector<formats::Float3> centered(const formats::TriangleMesh& mesh, const t
   return positions;
 }
 
+std::optional<NearFieldLights> nearLights(const formats::Pack& pack, const transport::BoundingSphere& bounds,
+                                          Lighting& lighting) {
+  if (lighting.near.emitters.empty()) return std::nullopt;
+  const transport::Vec3 center =
+      pack.transfer.near_vectors.empty() ? bounds.center : transport::vec3(pack.transfer.sphere_center);
+  return std::optional<NearFieldLights>(std::in_place, std::move(lighting.near), bounds, center,
+                                        pack.transfer.order, lighting.cube_resolution);
+}
+
+Eigen::Matrix3d objectFromLight(const FrameSettings& settings) {
+  return worldFromObject(settings).transpose() * worldFromLight(settings);
+}
+
 void setUniform(GLint location, const transport::Vec3& value) {
   const Eigen::Vector3f v = value.cast<float>();
   glUniform3fv(location, 1, v.data());
@@ -33,18 +47,24 @@ void setUniform(GLint location, const transport::Vec3& value) {
 
 }  // namespace
 
-Renderer::Renderer(const formats::Pack& pack, Environment environment)
+Renderer::Renderer(const formats::Pack& pack, Lighting lighting)
     : bounds_(transport::boundingSphere(pack.mesh)),
-      base_color_(pack.base_color),
       order_(pack.transfer.order),
-      light_(std::move(environment.light)),
-      vertex_radiance_(pack.transfer, pack.mesh.vertexCount()),
-      surface_program_(makeProgram({{GL_VERTEX_SHADER, kSurfaceVert}, {GL_FRAGMENT_SHADER, kSurfaceFrag}})),
+      distant_(std::move(lighting.distant)),
+      exposure_light_(distant_),
+      near_lights_(nearLights(pack, bounds_, lighting)),
+      exit_radiance_(pack, bounds_.center, near_lights_ ? &near_lights_->light() : nullptr),
+      surface_program_(
+          makeProgram({{GL_VERTEX_SHADER, {kSurfaceVert}}, {GL_FRAGMENT_SHADER, {kSurfaceFrag}}})),
       backdrop_program_(
-          makeProgram({{GL_VERTEX_SHADER, kFullscreenVert}, {GL_FRAGMENT_SHADER, kBackdropFrag}})),
+          makeProgram({{GL_VERTEX_SHADER, {kFullscreenVert}}, {GL_FRAGMENT_SHADER, {kBackdropFrag}}})),
       no_attributes_(makeVertexArray()) {
   uploadMesh(pack);
-  uploadBackdrop(environment.image);
+  uploadBackdrop(lighting.backdrop);
+  if (near_lights_) {
+    near_lights_->project(Eigen::Matrix3d::Identity());
+    exposure_light_ = transport::sum(distant_, near_lights_->readLight());
+  }
 }
 
 void Renderer::uploadMesh(const formats::Pack& pack) {
@@ -67,7 +87,7 @@ void Renderer::uploadMesh(const formats::Pack& pack) {
     glVertexArrayAttribBinding(surface, location, location);
   };
   attribute(kPosition, positions_);
-  attribute(kRadiance, vertex_radiance_.buffer());
+  attribute(kRadiance, exit_radiance_.buffer());
   glVertexArrayElementBuffer(surface, indices_.name());
   throwIfGlFailed("uploading the mesh");
 }
@@ -82,48 +102,69 @@ void Renderer::uploadBackdrop(const formats::Image& image) {
   backdrop_ = makeTexture(GL_RGB32F, image.width, image.height);
   glTextureSubImage2D(backdrop_.name(), 0, 0, 0, image.width, image.height, GL_RGB, GL_FLOAT,
                       image.values.data());
+  backdrop_bytes_ = image.values.size() * sizeof(float);
   throwIfGlFailed("uploading the environment");
 }
 
 void Renderer::updateLight(const FrameSettings& settings) {
-  const transport::ShRotation rotation(order_, worldFromLight(settings));
-  vertex_radiance_.evaluate(rotation.apply(light_));
-  light_yaw_deg_ = settings.light_yaw_deg;
-  light_pitch_deg_ = settings.light_pitch_deg;
-  light_evaluated_ = true;
+  evaluated_.object_from_light = objectFromLight(settings);
+  const transport::ShRotation rotation(order_, evaluated_.object_from_light);
+  exit_radiance_.setDistantLight(rotation.apply(distant_));
+  exit_radiance_.update();
+}
+
+void Renderer::updateNearLight(const FrameSettings& settings) {
+  if (!near_lights_) return;
+  evaluated_.world_from_object = worldFromObject(settings);
+  evaluated_.time_s = settings.time_s;
+  near_lights_->place(settings.time_s);
+  near_lights_->project(evaluated_.world_from_object);
+  exit_radiance_.nearLightHasChanged();
+}
+
+void Renderer::updateStaleLights(const FrameSettings& settings) {
+  if (near_lights_ &&
+      (evaluated_.time_s != settings.time_s || evaluated_.world_from_object != worldFromObject(settings)))
+    updateNearLight(settings);
+  if (evaluated_.object_from_light != objectFromLight(settings)) updateLight(settings);
+  exit_radiance_.update();
 }
 
 float Renderer::exposure(const FrameSettings& settings) const {
-  return static_cast<float>(exposureFactor(settings, light_));
+  return static_cast<float>(exposureFactor(settings, exposure_light_));
 }
 
 void Renderer::draw(const FrameSettings& settings) {
-  if (!light_evaluated_ || settings.light_yaw_deg != light_yaw_deg_ ||
-      settings.light_pitch_deg != light_pitch_deg_)
-    updateLight(settings);
+  const transport::OrbitCamera camera = frameCamera(settings, bounds_);
+  const Eigen::Matrix3d world_from_object = worldFromObject(settings);
+  updateStaleLights(settings);
+  exit_radiance_.lookFrom(world_from_object.transpose() * (camera.eye() - bounds_.center) + bounds_.center);
+
   target_.resize(settings.width_px, settings.height_px, settings.supersampling);
   target_.beginFrame(settings.background == Background::kTransparent ? 0.0f : 1.0f);
-
-  const transport::OrbitCamera camera = frameCamera(settings, bounds_);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);  // the backdrop lies at the far plane itself
-  drawSurface(camera);
+  drawBodies(camera, world_from_object);
   if (settings.background == Background::kEnvironment) drawBackdrop(camera, worldFromLight(settings));
   throwIfGlFailed("drawing");
 }
 
-void Renderer::drawSurface(const transport::OrbitCamera& camera) const {
+void Renderer::drawBodies(const transport::OrbitCamera& camera,
+                          const Eigen::Matrix3d& world_from_object) const {
   // Both sides are drawn, as rays hit both: open meshes show their inside.
-  Eigen::Matrix4d world_from_object = Eigen::Matrix4d::Identity();
-  world_from_object.topRightCorner<3, 1>() = bounds_.center;
+  transport::BoundingSphere all = bounds_;
+  if (near_lights_) all.radius = std::max(all.radius, near_lights_->radius());
   const double aspect = static_cast<double>(target_.widthPx()) / target_.heightPx();
-  const Eigen::Matrix4f clip_from_object =
-      (camera.clipFromView(aspect, bounds_) * camera.viewFromWorld() * world_from_object).cast<float>();
+  const Eigen::Affine3d world_from_centered(Eigen::Translation3d(bounds_.center));
+  const Eigen::Matrix4d clip_from_centered =
+      camera.clipFromView(aspect, all) * camera.viewFromWorld() * world_from_centered.matrix();
+  const Eigen::Matrix4f clip_from_position =
+      (clip_from_centered * Eigen::Affine3d(world_from_object).matrix()).cast<float>();
   glUseProgram(surface_program_.name());
-  glUniformMatrix4fv(0, 1, GL_FALSE, clip_from_object.data());
-  glUniform3fv(1, 1, base_color_.data());
+  glUniformMatrix4fv(0, 1, GL_FALSE, clip_from_position.data());
   glBindVertexArray(surface_.name());
   glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
+  if (near_lights_) near_lights_->draw(clip_from_centered.cast<float>());
 }
 
 void Renderer::drawBackdrop(const transport::OrbitCamera& camera,
@@ -142,6 +183,11 @@ void Renderer::drawBackdrop(const transport::OrbitCamera& camera,
   glBindTextureUnit(0, backdrop_.name());
   glBindVertexArray(no_attributes_.name());
   glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+std::size_t Renderer::gpuBytes() const {
+  return exit_radiance_.gpuBytes() + sizeInBytes(positions_) + sizeInBytes(indices_) + backdrop_bytes_ +
+         (near_lights_ ? near_lights_->gpuBytes() : 0);
 }
 
 }  // namespace bakelight::player

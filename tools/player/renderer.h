@@ -1,57 +1,73 @@
-// Draws a pack under a light: surface and backdrop into a picture target. Needs a current OpenGL 4.5 core
-// context, which must outlive it; the same for windows and headless pictures.
+// Draws a pack under its lights: surface, emitters and backdrop into a picture target. Needs a current OpenGL
+// 4.5 core context, which must outlive it; the same for windows and headless pictures.
 #pragma once
 
 #include <Eigen/Core>
-#include <span>
+#include <optional>
 
 #include "formats/image.h"
 #include "formats/pack.h"
+#include "tools/player/exit_radiance.h"
 #include "tools/player/frame.h"
 #include "tools/player/gl_objects.h"
+#include "tools/player/lighting.h"
+#include "tools/player/near_field_lights.h"
 #include "tools/player/picture_target.h"
-#include "tools/player/vertex_radiance.h"
 
 namespace bakelight::player {
 
 class Renderer {
  public:
-  // Uploads mesh, transfer table and backdrop; the pack may be freed afterwards. Throws Error(kBadInput) if
-  // the environment image is larger than this GL's textures, Error(kNotAvailable) if GL is out of memory or
-  // lacks a feature.
-  Renderer(const formats::Pack& pack, Environment environment);
+  // Uploads mesh, transfer tables, emitters and backdrop; the pack may be freed afterwards. Throws
+  // Error(kBadInput) if the backdrop or the cube map is larger than this GL's textures or buffers,
+  // Error(kNotAvailable) if GL is out of memory or lacks a feature.
+  Renderer(const formats::Pack& pack, Lighting lighting);
 
-  // Brings everything to `settings` and draws the subsamples into target(). Light and target storage are
+  // Brings everything to `settings` and draws the subsamples into target(). Lights and target storage are
   // touched only if they changed.
   void draw(const FrameSettings& settings);
 
-  // Evaluates the light even if it has not changed, for timing. draw() calls it when needed.
-  void updateLight(const FrameSettings& settings);
+  // What draw() calls when needed; even if nothing has changed, for timing. Without emitters the second does
+  // nothing.
+  void updateLight(const FrameSettings& settings);      // turns the distant light and evaluates it
+  void updateNearLight(const FrameSettings& settings);  // places the emitters and projects their cube map
 
+  bool hasEmitters() const { return near_lights_.has_value(); }
+  bool emittersMove() const { return near_lights_ && near_lights_->anyMoves(); }
+  std::size_t gpuBytes() const;  // of buffers and textures, without the picture target
   const PictureTarget& target() const { return target_; }
   float exposure(const FrameSettings& settings) const;
   const transport::BoundingSphere& bounds() const { return bounds_; }
 
  private:
+  // What the lights were evaluated for.
+  struct LightState {
+    Eigen::Matrix3d object_from_light = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d world_from_object = Eigen::Matrix3d::Zero();
+    double time_s = 0;
+  };
+
   void uploadMesh(const formats::Pack& pack);
   void uploadBackdrop(const formats::Image& image);
-  void drawSurface(const transport::OrbitCamera& camera) const;
+  void updateStaleLights(const FrameSettings& settings);
+  void drawBodies(const transport::OrbitCamera& camera, const Eigen::Matrix3d& world_from_object) const;
   void drawBackdrop(const transport::OrbitCamera& camera, const Eigen::Matrix3d& world_from_light) const;
 
   transport::BoundingSphere bounds_;
-  formats::Float3 base_color_;
   int order_;
-  transport::ShLight light_;  // in its own frame
-  double light_yaw_deg_ = 0, light_pitch_deg_ = 0;
-  bool light_evaluated_ = false;
+  transport::ShLight distant_;         // in its own frame
+  transport::ShLight exposure_light_;  // see exposureFactor
+  std::optional<NearFieldLights> near_lights_;
+  ExitRadiance exit_radiance_;
+  LightState evaluated_;
 
-  VertexRadiance vertex_radiance_;
   PictureTarget target_;
   Program surface_program_, backdrop_program_;
   VertexArray surface_, no_attributes_;
   Buffer positions_, indices_;
   GLsizei index_count_ = 0;
   Texture backdrop_;
+  std::size_t backdrop_bytes_ = 0;
 };
 
 }  // namespace bakelight::player

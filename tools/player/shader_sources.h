@@ -9,7 +9,16 @@ struct ShaderSource {
   const char* text;
 };
 
-extern const ShaderSource kRadianceComp;
+extern const ShaderSource kTableGlsl;
+extern const ShaderSource kDiffuseComp;
+extern const ShaderSource kMatrixComp;
+extern const ShaderSource kOperatorComp;
+extern const ShaderSource kVisibilityComp;
+extern const ShaderSource kClusterComp;
+extern const ShaderSource kSumLightsComp;
+extern const ShaderSource kGlossyComp;
+extern const ShaderSource kProjectRowsComp;
+extern const ShaderSource kProjectSumComp;
 extern const ShaderSource kSurfaceVert;
 extern const ShaderSource kSurfaceFrag;
 extern const ShaderSource kFullscreenVert;

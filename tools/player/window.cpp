@@ -55,16 +55,17 @@ class GlfwWindow {
   GLFWwindow* window_ = nullptr;
 };
 
-// Turns events into settings, and settings into frames; a frame is drawn only after something changed.
+// Turns events into settings, and settings into frames; a frame is drawn only after something changed, or
+// while emitters move.
 class Session {
  public:
-  Session(GLFWwindow* window, const formats::Pack& pack, const Environment& environment,
+  Session(GLFWwindow* window, const formats::Pack& pack, const Lighting& lighting,
           const FrameSettings& settings)
       : window_(window),
         name_(pack.name.empty() ? "bakelight" : pack.name),
         start_(settings),
         settings_(settings),
-        renderer_(pack, environment) {
+        renderer_(pack, lighting) {
     glfwSetWindowUserPointer(window, this);
     glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int, int, int) { of(w).rememberCursor(); });
     glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) { of(w).onCursor(x, y); });
@@ -78,9 +79,9 @@ class Session {
 
   void play() {
     while (glfwWindowShouldClose(window_) == GLFW_FALSE) {
-      if (changed_) drawFrame();
+      if (changed_ || playing()) drawFrame();
       if (screenshot_wanted_) saveScreenshot();
-      glfwWaitEvents();
+      playing() ? glfwPollEvents() : glfwWaitEvents();
     }
   }
 
@@ -97,6 +98,8 @@ class Session {
       dragOrbit(settings_, dx, dy);
     else if (glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS)
       dragLight(settings_, dx, dy);
+    else if (glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_MIDDLE) == GLFW_PRESS)
+      dragObject(settings_, dx, dy);
     else
       return;
     changed_ = true;
@@ -110,14 +113,30 @@ class Session {
   void onKey(int key) {
     if (key == GLFW_KEY_ESCAPE) glfwSetWindowShouldClose(window_, GLFW_TRUE);
     if (key == GLFW_KEY_S) screenshot_wanted_ = true;
+    if (key == GLFW_KEY_SPACE) hold(!held_);
     if (key == GLFW_KEY_R) {
       settings_ = start_;
       changed_ = true;
     }
   }
 
+  bool playing() const { return renderer_.emittersMove() && !held_ && settings_.width_px > 0; }
+
+  void hold(bool held) {
+    held_ = held;
+    last_frame_s_ = glfwGetTime();
+  }
+
+  // Time goes on from frame to frame, and stands still while the emitters are held.
+  void advanceTime() {
+    const double now_s = glfwGetTime();
+    if (playing()) settings_.time_s += now_s - last_frame_s_;
+    last_frame_s_ = now_s;
+  }
+
   void drawFrame() {
     changed_ = false;
+    advanceTime();
     glfwGetFramebufferSize(window_, &settings_.width_px, &settings_.height_px);
     if (settings_.width_px == 0 || settings_.height_px == 0) return;  // minimised
     const auto start = std::chrono::steady_clock::now();
@@ -145,16 +164,17 @@ class Session {
   FrameSettings start_, settings_;
   Renderer renderer_;
   double cursor_x_ = 0, cursor_y_ = 0;
-  bool changed_ = true, screenshot_wanted_ = false;
+  double last_frame_s_ = glfwGetTime();
+  bool changed_ = true, screenshot_wanted_ = false, held_ = false;
 };
 
 }  // namespace
 
-void playInWindow(const formats::Pack& pack, const Environment& environment, const FrameSettings& settings) {
+void playInWindow(const formats::Pack& pack, const Lighting& lighting, const FrameSettings& settings) {
   const GlfwWindow window(settings.width_px, settings.height_px, pack.name);
   spdlog::info("{}", glRendererName());
   spdlog::info("{}", kControlsHelp);
-  Session(window.get(), pack, environment, settings).play();
+  Session(window.get(), pack, lighting, settings).play();
 }
 
 }  // namespace bakelight::player

@@ -3,12 +3,14 @@
 
 #include "formats/pack.h"
 #include "tools/player/frame.h"
+#include "tools/player/lighting.h"
 
 namespace bakelight::player {
 
-// Opens a window of the settings' size and plays until it is closed. Throws Error(kNotAvailable) if there is
+// Opens a window of the settings' size and plays until it is closed; moving emitters move in real time, from
+// the settings' time on. Throws Error(kNotAvailable) if there is
 // no display or no OpenGL 4.5. Screenshots go to the working directory as <pack name>-<number>.png and never
 // overwrite a file.
-void playInWindow(const formats::Pack& pack, const Environment& environment, const FrameSettings& settings);
+void playInWindow(const formats::Pack& pack, const Lighting& lighting, const FrameSettings& settings);
 
 }  // namespace bakelight::player

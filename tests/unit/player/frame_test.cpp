@@ -1,7 +1,6 @@
 #include "tools/player/frame.h"
 
 #include <cmath>
-#include <limits>
 
 #include "formats/error.h"
 #include "tools/player/picture_file.h"
@@ -43,40 +42,12 @@ TEST(Frame, DistanceMultipliesTheFramingDistance) {
   EXPECT_NEAR(frameCamera({.distance = 2.5}, bounds).distance, 2.5 * framing, 1e-12);
 }
 
-TEST(Frame, ImageOfTheDefaultLightProjectsBackToIt) {
-  // But for what clipping the faintly negative side lobes adds: half a percent of the mean at this order.
-  const Environment environment = defaultEnvironment(3);
-  const auto projected = transport::projectLatLong(environment.image, 3, "default");
-  ASSERT_EQ(projected.size(), 9u);
-  for (std::size_t i = 0; i < 9; ++i)
-    for (std::size_t c = 0; c < 3; ++c)
-      EXPECT_NEAR(projected[i][c], environment.light[i][c], 0.01 * environment.light[0][c]) << i;
-}
-
-TEST(Frame, EnvironmentKeepsColoursWhateverTheirLayerAndOrder) {
-  formats::Image layered(4, 2, {"sky.B", "sky.G", "sky.R", "sky.Z"});
-  for (int y = 0; y < 2; ++y)
-    for (int x = 0; x < 4; ++x)
-      for (std::size_t c = 0; c < 4; ++c) layered.texel(x, y)[c] = static_cast<float>(100 * c + 10 * y + x);
-  const Environment environment = environmentFromImage(layered, 1, "layered.exr");
-  ASSERT_EQ(environment.image.channelCount(), 3u);
-  for (int y = 0; y < 2; ++y)
-    for (int x = 0; x < 4; ++x) {
-      EXPECT_NEAR(environment.image.texel(x, y)[0], layered.texel(x, y)[2], 1e-3);
-      EXPECT_NEAR(environment.image.texel(x, y)[2], layered.texel(x, y)[0], 1e-3);
-    }
-}
-
-TEST(Frame, LightThatIsNotFiniteIsAnErrorThatNamesTheFile) {
-  formats::Image image(4, 2, {"R", "G", "B"});
-  image.texel(2, 1)[1] = std::numeric_limits<float>::quiet_NaN();
-  try {
-    environmentFromImage(image, 2, "broken.exr");
-    FAIL() << "accepted";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.status(), ExitStatus::kBadInput);
-    EXPECT_EQ(error.place().file, "broken.exr");
-  }
+TEST(Frame, ObjectTurnsAboutYThenAboutX) {
+  const Vec3 turned = worldFromObject({.object_yaw_deg = 90}) * Vec3::UnitZ();
+  EXPECT_LT((turned - Vec3::UnitX()).norm(), 1e-12);
+  const Vec3 both = worldFromObject({.object_yaw_deg = 90, .object_pitch_deg = 90}) * Vec3::UnitZ();
+  EXPECT_LT((both - Vec3::UnitX()).norm(), 1e-12);
+  EXPECT_TRUE(worldFromObject({.light_yaw_deg = 30}).isIdentity());
 }
 
 TEST(PictureFile, EndingDecidesTheEncoding) {

@@ -11,11 +11,12 @@ namespace {
 using tests::spherePack;
 using transport::Vec3;
 
-Environment uniformEnvironment(int order, float radiance) {
-  Environment environment{formats::Image(8, 4, {"R", "G", "B"}),
-                          transport::uniformLight(order, {radiance, radiance, radiance})};
-  std::fill(environment.image.values.begin(), environment.image.values.end(), radiance);
-  return environment;
+Lighting uniformLighting(int order, float radiance) {
+  Lighting lighting;
+  lighting.backdrop = formats::Image(8, 4, {"R", "G", "B"});
+  std::fill(lighting.backdrop.values.begin(), lighting.backdrop.values.end(), radiance);
+  lighting.distant = transport::uniformLight(order, {radiance, radiance, radiance});
+  return lighting;
 }
 
 // Nothing to see but the backdrop.
@@ -44,7 +45,7 @@ TEST_F(RendererTest, FurnaceIsWhite) {
   // A convex body of albedo 1 under a uniform sky of 1 sends 1 in all directions: it cannot be told from the
   // sky.
   for (const int order : {1, 2, 3, 10}) {
-    Renderer renderer(spherePack(order, 32), uniformEnvironment(order, 1));
+    Renderer renderer(spherePack(order, 32), uniformLighting(order, 1));
     const FrameSettings settings{.width_px = 60, .height_px = 40, .auto_exposure = false};
     renderer.draw(settings);
     const auto linear = renderer.target().linearImage();
@@ -58,7 +59,7 @@ TEST_F(RendererTest, FurnaceIsWhite) {
 TEST_F(RendererTest, BaseColourMultipliesTheSurfaceAlone) {
   formats::Pack pack = spherePack(2, 32);
   pack.base_color = {0.25f, 0.5f, 0.75f};
-  Renderer renderer(pack, uniformEnvironment(2, 1));
+  Renderer renderer(pack, uniformLighting(2, 1));
   renderer.draw({.width_px = 65, .height_px = 65});
   const auto linear = renderer.target().linearImage();
   for (std::size_t c = 0; c < 3; ++c) {
@@ -73,7 +74,7 @@ TEST_F(RendererTest, EnvironmentIsNotMirrored) {
   addPatch(image, {0.3, 0, -1}, {1, 0, 0});
   addPatch(image, {0, 0.3, -1}, {0, 1, 0});
   addPatch(image, {-0.3, 0, -1}, {0, 0, 1});
-  Renderer renderer(emptyPack(), environmentFromImage(image, 2, "patches"));
+  Renderer renderer(emptyPack(), lightingFromImage(image, 2, "patches"));
   renderer.draw({.width_px = 101, .height_px = 101, .yaw_deg = 0, .pitch_deg = 0, .field_of_view_deg = 90});
   const auto linear = renderer.target().linearImage();
   EXPECT_NEAR(linear.texel(65, 50)[0], 1, 1e-3) << "+X";
@@ -85,7 +86,7 @@ TEST_F(RendererTest, EnvironmentIsNotMirrored) {
 TEST_F(RendererTest, EnvironmentTurnsWithTheLight) {
   formats::Image image(256, 128, {"R", "G", "B"});
   addPatch(image, {0, 0, 1}, {1, 1, 1});
-  Renderer renderer(emptyPack(), environmentFromImage(image, 2, "patch"));
+  Renderer renderer(emptyPack(), lightingFromImage(image, 2, "patch"));
   // The light's yaw takes +Z to +X, which a camera that stands at −X looks at.
   renderer.draw({.width_px = 31, .height_px = 31, .yaw_deg = -90, .pitch_deg = 0, .light_yaw_deg = 90});
   EXPECT_NEAR(renderer.target().linearImage().texel(15, 15)[0], 1, 1e-3);
@@ -99,7 +100,7 @@ TEST_F(RendererTest, BackdropIsLookUpLatLongInEveryDirection) {
     for (int x = 0; x < image.width; ++x)
       for (int c = 0; c < 3; ++c)
         image.texel(x, y)[c] = static_cast<float>((x * 37 + y * 101 + c * 59) % 64) / 64;
-  Renderer renderer(emptyPack(), environmentFromImage(image, 2, "noise"));
+  Renderer renderer(emptyPack(), lightingFromImage(image, 2, "noise"));
   // Six views that cover the sphere, its poles and the seam at −Z among them.
   for (const auto& [yaw, pitch] :
        {std::pair{0.0, 0.0}, {90.0, 0.0}, {180.0, 0.0}, {270.0, 0.0}, {30.0, 89.0}, {30.0, -89.0}}) {
@@ -126,7 +127,7 @@ TEST_F(RendererTest, BackdropIsLookUpLatLongInEveryDirection) {
 TEST_F(RendererTest, LightFromTheRightLightsTheRight) {
   formats::Image image(64, 32, {"R", "G", "B"});
   addPatch(image, Vec3::UnitX(), {100, 100, 100});
-  Renderer renderer(spherePack(4, 32), environmentFromImage(image, 4, "sun"));
+  Renderer renderer(spherePack(4, 32), lightingFromImage(image, 4, "sun"));
   FrameSettings settings{
       .width_px = 101, .height_px = 101, .yaw_deg = 0, .pitch_deg = 0, .background = Background::kBlack};
   renderer.draw(settings);
@@ -149,7 +150,7 @@ TEST_F(RendererTest, MeshFarFromTheOriginLooksTheSame) {
       far_pack.mesh.positions[v][k] = value + 1e6f;
     }
   const FrameSettings settings{.width_px = 64, .height_px = 48, .background = Background::kTransparent};
-  Renderer near_renderer(near_pack, defaultEnvironment(3)), far_renderer(far_pack, defaultEnvironment(3));
+  Renderer near_renderer(near_pack, defaultLighting(3)), far_renderer(far_pack, defaultLighting(3));
   near_renderer.draw(settings);
   far_renderer.draw(settings);
   const auto near_values = near_renderer.target().linearImage().values;
@@ -164,14 +165,14 @@ TEST_F(RendererTest, MeshFarFromTheOriginLooksTheSame) {
 
 TEST_F(RendererTest, NoVertexShowsTheBackdrop) {
   formats::Pack pack;
-  pack.transfer = {2, "unshadowed", {}};
-  Renderer renderer(pack, uniformEnvironment(2, 0.5f));
+  pack.transfer.order = 2;
+  Renderer renderer(pack, uniformLighting(2, 0.5f));
   renderer.draw({.width_px = 8, .height_px = 8});
   for (int x = 0; x < 8; ++x) EXPECT_NEAR(renderer.target().linearImage().texel(x, x)[0], 0.5, 1e-6);
 }
 
 TEST_F(RendererTest, OnePixelAndEverySizeAfterIt) {
-  Renderer renderer(spherePack(2, 16), uniformEnvironment(2, 1));
+  Renderer renderer(spherePack(2, 16), uniformLighting(2, 1));
   for (const int size : {1, 300, 1, 17}) {
     renderer.draw({.width_px = size, .height_px = size, .supersampling = 4});
     const auto linear = renderer.target().linearImage();

@@ -1,4 +1,3 @@
-#version 450 core
 // The environment seen past the object: the same bilinear lookup as transport::lookUpLatLong. Texels are fetched and
 // weighed here, since texture filters are allowed to round the weights to 8 bits.
 layout(location = 0) uniform vec2 size_px;

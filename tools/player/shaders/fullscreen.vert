@@ -1,4 +1,3 @@
-#version 450 core
 // One triangle that covers the viewport, at the far plane: behind every surface.
 void main() {
   vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);

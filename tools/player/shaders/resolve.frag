@@ -1,4 +1,3 @@
-#version 450 core
 // From linear subsamples to the picture: box filter, then exposure and display code (transport/color.h).
 layout(location = 0) uniform int supersampling;  // per axis
 layout(location = 1) uniform float exposure;

@@ -1,0 +1,46 @@
+// Glossy shading: a compute shader that reflects transferred radiance towards the eye at each vertex. Runs in
+// every frame. transport::evaluatePack does the same on the CPU.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "formats/pack_contents.h"
+#include "tools/player/gl_objects.h"
+#include "tools/player/gpu_table.h"
+#include "transport/vector_types.h"
+
+namespace bakelight::player {
+
+class GlossyPass {
+ public:
+  // `pack` has a material and matrices. Positions on the GPU are counted from `origin`. `object_frame`: the
+  // transferred radiance is in the object's frame (lobes only). Throws std::invalid_argument for sizes that
+  // do not fit together. `largest_block_bytes`: see rowRanges.
+  GlossyPass(const formats::Pack& pack, const transport::Vec3& origin, bool object_frame,
+             std::size_t largest_block_bytes = 0);
+
+  // `eye` in the object's space; `transferred` from TransferPass, `diffuse` n × RGB, which is added. Cost:
+  // 6 · row_order² multiply-adds a vertex, and the basis functions.
+  void evaluate(const transport::Vec3& eye, const Buffer& transferred, const Buffer& diffuse) const;
+
+  // n × RGB float32; fit for a vertex attribute.
+  const Buffer& buffer() const { return radiance_; }
+  std::size_t gpuBytes() const;
+
+ private:
+  formats::Float3 specular_color_;
+  std::vector<float> kernel_;  // empty for a BRDF table
+  transport::Vec3 origin_;
+  std::size_t transferred_bytes_;  // a vertex
+  std::vector<RowRange> ranges_;
+  Program program_;
+  Buffer positions_, normals_, tangents_, brdf_, radiance_;
+};
+
+// A pack of visibility vectors whose material is a table: the same as float32 matrices in the local frame,
+// since a table's rows are no rotations of one another. Cost: a rotation of row_order² × order² values a
+// vertex.
+formats::RadianceTransfer matricesFromVisibility(const formats::Pack& pack);
+
+}  // namespace bakelight::player

@@ -1,0 +1,36 @@
+#include "tools/player/gpu_light.h"
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "formats/error.h"
+
+namespace bakelight::player {
+namespace {
+
+constexpr std::size_t kLightSize = transport::coefficientCount(transport::kMaxOrder);
+using PaddedLight = std::array<formats::Float4, kLightSize>;
+
+}  // namespace
+
+Buffer makeLightBuffer() {
+  const PaddedLight dark{};
+  return makeBuffer(sizeof(dark), dark.data(), GL_DYNAMIC_STORAGE_BIT);
+}
+
+void setLight(const Buffer& buffer, std::span<const transport::Float3> light) {
+  if (light.size() > kLightSize) throw std::invalid_argument("the light has too many coefficients");
+  PaddedLight padded{};
+  for (std::size_t i = 0; i < light.size(); ++i) {
+    for (const float value : light[i])
+      if (!std::isfinite(value))
+        throw badInput({"", "light coefficient " + std::to_string(i), ""}, "is not a finite number",
+                       "a finite number", "another light");
+    padded[i] = {light[i][0], light[i][1], light[i][2], 0};
+  }
+  glNamedBufferSubData(buffer.name(), 0, sizeof(padded), padded.data());
+}
+
+}  // namespace bakelight::player

@@ -1,0 +1,101 @@
+#include "tools/player/lighting.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "formats/error.h"
+#include "transport/light_rig.h"
+#include "transport/sh.h"
+#include "transport/windowing.h"
+
+namespace bakelight::player {
+namespace {
+
+// Exactly the channels R, G, B, whatever names and further channels the probe has.
+formats::Image rgbImage(formats::Image image) {
+  if (image.channel_names == std::vector<std::string>{"R", "G", "B"}) return image;
+  formats::Image rgb(image.width, image.height, {"R", "G", "B"});
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const auto center = transport::directionOfLatLong((x + 0.5) / image.width, (y + 0.5) / image.height);
+      std::ranges::copy(transport::lookUpLatLong(image, center), rgb.texel(x, y));
+    }
+  return rgb;
+}
+
+void requireFinite(const transport::ShLight& light, const std::string& file) {
+  for (std::size_t i = 0; i < light.size(); ++i)
+    for (const float value : light[i])
+      if (!std::isfinite(value))
+        throw badInput({file, "SH coefficient " + std::to_string(i), ""}, "the light is not finite",
+                       "radiance in every texel that a float can sum up", "repairing or scaling the light");
+}
+
+void applyWindow(Lighting& lighting, double windowing) {
+  if (windowing == 0) return;
+  transport::WindowedLight windowed = windowing < 0 ? transport::windowUntilPositive(lighting.distant)
+                                                    : transport::window(lighting.distant, windowing);
+  lighting.distant = std::move(windowed.light);
+  lighting.window = windowed.lambda;
+  lighting.moved_energy = windowed.moved_energy;
+}
+
+formats::Image imageOf(const transport::ShLight& light, int order) {
+  constexpr int kHeight = 128;  // px; ten bands vary by half a period in 18°
+  formats::Image image(2 * kHeight, kHeight, {"R", "G", "B"});
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < 2 * kHeight; ++x) {
+      const auto basis = transport::evaluateSh(
+          order, transport::directionOfLatLong((x + 0.5) / (2 * kHeight), (y + 0.5) / kHeight));
+      for (std::size_t channel = 0; channel < 3; ++channel) {
+        double radiance = 0;
+        for (std::size_t i = 0; i < basis.size(); ++i) radiance += basis[i] * light[i][channel];
+        image.texel(x, y)[channel] = static_cast<float>(std::max(radiance, 0.0));
+      }
+    }
+  return image;
+}
+
+}  // namespace
+
+Lighting lightingFromImage(formats::Image image, int order, const std::string& file, double windowing) {
+  Lighting lighting;
+  lighting.distant = transport::projectLatLong(image, order, file);
+  requireFinite(lighting.distant, file);
+  lighting.backdrop = rgbImage(std::move(image));
+  applyWindow(lighting, windowing);
+  return lighting;
+}
+
+Lighting lightingFromRig(formats::LightRig rig, int order, const std::string& file) {
+  if (rig.distant.empty() && rig.emitters.empty())
+    throw badInput({file, "", ""}, "the light rig has no light", "a distant light or an emitter",
+                   "adding one, or leaving the rig out");
+  Lighting lighting;
+  if (rig.distant.empty()) {
+    lighting.distant = transport::uniformLight(order, {0, 0, 0});
+    lighting.backdrop = formats::Image(2, 1, {"R", "G", "B"});
+  } else {
+    transport::RigLight light = transport::distantLight(rig, order);
+    requireFinite(light.light, file);
+    lighting.distant = std::move(light.light);
+    lighting.backdrop = std::move(light.backdrop);
+    lighting.window = light.window;
+    lighting.moved_energy = light.moved_energy;
+  }
+  rig.distant.clear();
+  lighting.near = std::move(rig);
+  return lighting;
+}
+
+Lighting defaultLighting(int order, double windowing) {
+  Lighting lighting;
+  lighting.distant = transport::defaultLight(order);
+  lighting.backdrop = imageOf(lighting.distant, order);
+  applyWindow(lighting, windowing);
+  return lighting;
+}
+
+}  // namespace bakelight::player

@@ -1,0 +1,155 @@
+#include "tools/player/transfer_pass.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+#include "tools/player/gl_context.h"
+#include "tools/player/gl_program.h"
+#include "transport/triple_product.h"
+
+namespace bakelight::player {
+namespace {
+
+using formats::MatrixStorage;
+
+std::size_t matrixSize(const formats::RadianceTransfer& transfer) {
+  return static_cast<std::size_t>(transport::coefficientCount(transfer.row_order)) *
+         transport::coefficientCount(transfer.order);
+}
+
+void require(bool fits) {
+  if (!fits) throw std::invalid_argument("the tables of glossy transfer do not fit together");
+}
+
+std::string define(const std::string& name, std::size_t value) {
+  return "#define " + name + " " + std::to_string(value) + "u\n";
+}
+
+std::string matrixDefinitions(const formats::RadianceTransfer& transfer, const GpuTable& table) {
+  return table.definitions() + "#define CHANNELS " + std::to_string(transfer.channels) + "\n" +
+         define("ROW_COEFFICIENTS", transport::coefficientCount(transfer.row_order)) +
+         define("COEFFICIENTS", transport::coefficientCount(transfer.order));
+}
+
+struct GatherEntry {
+  std::uint32_t j;
+  float value;
+};
+
+}  // namespace
+
+TransferPass::TransferPass(const formats::RadianceTransfer& transfer, std::size_t largest_block_bytes)
+    : storage_(transfer.storage),
+      row_coefficients_(transport::coefficientCount(transfer.row_order)),
+      table_(transfer.matrices) {
+  const std::size_t result_bytes = row_coefficients_ * sizeof(formats::Float3);
+  ranges_ = rowRanges(table_.rows(), std::max(table_.rowBytes(), result_bytes), row_coefficients_,
+                      largest_block_bytes);
+  transferred_ = makeBuffer(table_.rows() * result_bytes, nullptr);
+  switch (storage_) {
+    case MatrixStorage::kMatrix:
+      require(table_.columns() == transfer.channels * matrixSize(transfer));
+      program_ = makeComputeProgram({kTableGlsl, kMatrixComp}, matrixDefinitions(transfer, table_));
+      break;
+    case MatrixStorage::kVisibility:
+      prepareVisibility(transfer);
+      break;
+    case MatrixStorage::kCpca:
+      prepareClusters(transfer, largest_block_bytes);
+      break;
+    case MatrixStorage::kNone:
+      throw std::invalid_argument("a diffuse pack has no transfer matrices");
+  }
+  throwIfGlFailed("uploading the transfer matrices");
+}
+
+void TransferPass::prepareVisibility(const formats::RadianceTransfer& transfer) {
+  const transport::TripleProduct product(transfer.row_order, transfer.order);
+  const std::size_t columns = transport::coefficientCount(product.visibilityOrder());
+  require(transfer.channels == 1 && table_.columns() == columns);
+  program_ = makeComputeProgram({kTableGlsl, kVisibilityComp},
+                                table_.definitions() + define("ROW_COEFFICIENTS", row_coefficients_));
+
+  cell_count_ = row_coefficients_ * columns;
+  std::vector<std::vector<GatherEntry>> cells(cell_count_);
+  for (const auto& entry : product.entries())
+    cells[entry.i * columns + entry.k].push_back({entry.j, entry.value});
+  std::vector<GatherEntry> entries;
+  std::vector<std::uint32_t> ends;
+  for (const auto& cell : cells) {
+    entries.insert(entries.end(), cell.begin(), cell.end());
+    ends.push_back(static_cast<std::uint32_t>(entries.size()));
+  }
+  entries_ = makeBuffer(entries.size() * sizeof(GatherEntry), entries.data());
+  cell_ends_ = makeBuffer(ends.size() * sizeof(std::uint32_t), ends.data());
+  operator_ = makeBuffer(cell_count_ * sizeof(formats::Float4), nullptr);
+  operator_program_ = makeComputeProgram({kOperatorComp});
+}
+
+void TransferPass::prepareClusters(const formats::RadianceTransfer& transfer,
+                                   std::size_t largest_block_bytes) {
+  basis_ = GpuTable(transfer.basis);
+  const std::size_t cluster_size = 1 + table_.columns();
+  require(basis_.columns() == transfer.channels * matrixSize(transfer) && basis_.rows() % cluster_size == 0 &&
+          transfer.clusters.size() == table_.rows());
+  for (const std::uint32_t cluster : transfer.clusters) require(cluster < basis_.rows() / cluster_size);
+  basis_ranges_ =
+      rowRanges(basis_.rows(), std::max(basis_.rowBytes(), row_coefficients_ * sizeof(formats::Float3)),
+                row_coefficients_, largest_block_bytes);
+  clusters_ = makeBuffer(transfer.clusters.size() * sizeof(std::uint32_t), transfer.clusters.data());
+  projected_ = makeBuffer(basis_.rows() * row_coefficients_ * sizeof(formats::Float3), nullptr);
+  basis_program_ = makeComputeProgram({kTableGlsl, kMatrixComp}, matrixDefinitions(transfer, basis_));
+  program_ = makeComputeProgram({kTableGlsl, kClusterComp},
+                                table_.definitions() + define("ROW_COEFFICIENTS", row_coefficients_));
+}
+
+void TransferPass::evaluate(const Buffer& light) {
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, light.name());
+  if (storage_ == MatrixStorage::kVisibility) {
+    evaluateOperator();
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, operator_.name());
+  } else if (storage_ == MatrixStorage::kCpca) {
+    runRows(basis_program_, basis_, basis_ranges_, projected_);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, projected_.name());
+  }
+  runRows(program_, table_, ranges_, transferred_);
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+  throwIfGlFailed("transferring the light");
+}
+
+void TransferPass::evaluateOperator() const {
+  glUseProgram(operator_program_.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, operator_.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, entries_.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, cell_ends_.name());
+  glUniform1ui(0, static_cast<GLuint>(cell_count_));
+  dispatchItems(cell_count_);
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+void TransferPass::runRows(const Program& program, const GpuTable& table, const std::vector<RowRange>& ranges,
+                           const Buffer& result) const {
+  glUseProgram(program.name());
+  for (const RowRange& range : ranges) {
+    table.bind(range);
+    bindRows(2, result, range, row_coefficients_ * sizeof(formats::Float3));
+    if (&table == &table_ && storage_ == MatrixStorage::kCpca)
+      bindRows(4, clusters_, range, sizeof(std::uint32_t));
+    glUniform1ui(0, static_cast<GLuint>(range.count));
+    dispatchItems(range.count * row_coefficients_);
+  }
+}
+
+std::size_t TransferPass::gpuBytes() const {
+  return table_.gpuBytes() + basis_.gpuBytes() + sizeInBytes(transferred_) + sizeInBytes(entries_) +
+         sizeInBytes(cell_ends_) + sizeInBytes(operator_) + sizeInBytes(clusters_) + sizeInBytes(projected_);
+}
+
+std::size_t TransferPass::dispatchCount() const {
+  return ranges_.size() + basis_ranges_.size();
+}
+
+}  // namespace bakelight::player
