@@ -1,0 +1,309 @@
+#include "transport/glossy_kernels.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "transport/glossy_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace bakelight::transport::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using formats::Precision;
+
+using Floats = hn::CappedTag<float, kTile>;
+using Vector = hn::Vec<Floats>;
+constexpr Floats kFloats;
+constexpr std::size_t kLanes = hn::MaxLanes(Floats());
+
+// Values as numbers; for codes, without their scale.
+HWY_INLINE Vector load(const float* values) {
+  return hn::Load(kFloats, values);
+}
+HWY_INLINE Vector load(const hwy::float16_t* values) {
+  return hn::PromoteTo(kFloats, hn::Load(hn::Rebind<hwy::float16_t, Floats>(), values));
+}
+HWY_INLINE Vector load(const std::uint8_t* values) {
+  const hn::RebindToSigned<Floats> integers;
+  return hn::ConvertTo(kFloats,
+                       hn::PromoteTo(integers, hn::Load(hn::Rebind<std::uint8_t, Floats>(), values)));
+}
+
+// Calls visit(pointer to the values in their type).
+template <class Visit>
+HWY_INLINE void withType(const TileValues& values, const Visit& visit) {
+  switch (values.precision) {
+    case Precision::kFloat32:
+      return visit(reinterpret_cast<const float*>(values.data));
+    case Precision::kFloat16:
+      return visit(reinterpret_cast<const hwy::float16_t*>(values.data));
+    case Precision::kUint8:
+      return visit(reinterpret_cast<const std::uint8_t*>(values.data));
+  }
+}
+
+// Calls visit<size>() for a block's size.
+template <std::size_t kMaximum, class Visit>
+HWY_INLINE void withSize(std::size_t size, const Visit& visit) {
+  if constexpr (kMaximum > 1) {
+    if (size < kMaximum) return withSize<kMaximum - 1>(size, visit);
+  }
+  visit.template operator()<kMaximum>();
+}
+
+void decode(const TileValues& values, const float* offset, std::size_t count, float* lanes) {
+  withType(values, [&]<class T>(const T* data) {
+    for (std::size_t e = 0; e < count; ++e)
+      for (std::size_t lane = 0; lane < kTile; lane += kLanes) {
+        Vector value = load(data + e * kTile + lane);
+        if constexpr (sizeof(T) == 1)
+          value = hn::MulAdd(value, hn::Set(kFloats, values.scale[e]), hn::Set(kFloats, offset[e]));
+        hn::Store(value, kFloats, lanes + e * kTile + lane);
+      }
+  });
+}
+
+// radiance[c] += Σ_column sums[column] · light[column][c]
+template <std::size_t kColumns>
+HWY_INLINE void addLit(const Vector (&sums)[kColumns], const float* light, int first_color, int last_color,
+                       std::size_t lane, float* radiance) {
+  for (int color = first_color; color < last_color; ++color) {
+    float* target = radiance + color * kTile + lane;
+    Vector sum = hn::Load(kFloats, target);
+#pragma GCC unroll 8
+    for (std::size_t column = 0; column < kColumns; ++column)
+      sum = hn::MulAdd(sums[column], hn::Set(kFloats, light[column * 3 + color]), sum);
+    hn::Store(sum, kFloats, target);
+  }
+}
+
+// Rows first, light last: for one table of matrices under three colours this takes a third of the
+// multiply-adds of the other order.
+template <std::size_t kColumns, class T>
+HWY_INLINE void shadeColumns(const T* matrix, const float* scale, std::size_t row_count, TileRows rows,
+                             const float* light, int first_color, int last_color, float* radiance) {
+  for (std::size_t lane = 0; lane < kTile; lane += kLanes) {
+    Vector sums[kColumns];
+#pragma GCC unroll 8
+    for (std::size_t column = 0; column < kColumns; ++column) sums[column] = hn::Zero(kFloats);
+    for (std::size_t i = 0; i < row_count; ++i) {
+      const Vector row = hn::LoadU(kFloats, rows.rows + i * rows.stride + lane);
+      const T* entries = matrix + i * kColumns * kTile + lane;
+#pragma GCC unroll 8
+      for (std::size_t column = 0; column < kColumns; ++column) {
+        const Vector value = load(entries + column * kTile);
+        if constexpr (sizeof(T) == 1) {
+          const Vector scaled_row = hn::Mul(row, hn::Set(kFloats, scale[i * kColumns + column]));
+          sums[column] = hn::MulAdd(value, scaled_row, sums[column]);
+        } else {
+          sums[column] = hn::MulAdd(value, row, sums[column]);
+        }
+      }
+    }
+    addLit(sums, light, first_color, last_color, lane, radiance);
+  }
+}
+
+void shadeMatrices(const TileValues& matrices, MatrixShape shape, TileRows rows, const float* light,
+                   int first_color, int last_color, float* radiance) {
+  const Blocks blocks{shape.columns, kColumnBlock};
+  withType(matrices, [&]<class T>(const T* data) {
+    for (std::size_t block = 0; block < blocks.blocks(); ++block) {
+      const std::size_t begin = blocks.begin(block), size = blocks.begin(block + 1) - begin;
+      withSize<kColumnBlock>(size, [&]<std::size_t kColumns>() {
+        const float* scale = sizeof(T) == 1 ? matrices.scale + begin * shape.rows : nullptr;
+        shadeColumns<kColumns>(data + begin * shape.rows * kTile, scale, shape.rows, rows, light + begin * 3,
+                               first_color, last_color, radiance);
+      });
+    }
+  });
+}
+
+void shadeSlots(const float* lanes, const std::uint16_t* slots, MatrixShape shape, TileRows rows,
+                const float* light, float* radiance) {
+  const Blocks blocks{shape.columns, kColumnBlock};
+  for (std::size_t block = 0; block < blocks.blocks(); ++block) {
+    const std::size_t begin = blocks.begin(block), size = blocks.begin(block + 1) - begin;
+    withSize<kColumnBlock>(size, [&]<std::size_t kColumns>() {
+      for (std::size_t lane = 0; lane < kTile; lane += kLanes) {
+        const std::uint16_t* slot = slots + begin * shape.rows;
+        Vector sums[kColumns];
+#pragma GCC unroll 8
+        for (std::size_t column = 0; column < kColumns; ++column) sums[column] = hn::Zero(kFloats);
+        for (std::size_t i = 0; i < shape.rows; ++i, slot += kColumns) {
+          const Vector row = hn::LoadU(kFloats, rows.rows + i * rows.stride + lane);
+#pragma GCC unroll 8
+          for (std::size_t column = 0; column < kColumns; ++column)
+            sums[column] =
+                hn::MulAdd(hn::Load(kFloats, lanes + slot[column] * kTile + lane), row, sums[column]);
+        }
+        addLit(sums, light + begin * 3, 0, 3, lane, radiance);
+      }
+    });
+  }
+}
+
+void transferSlots(const float* lanes, const std::uint16_t* slots, MatrixShape shape, const float* light,
+                   int first_color, int last_color, float* transferred) {
+  const Blocks blocks{shape.columns, kColumnBlock};
+  std::size_t entry = 0;
+  for (std::size_t block = 0; block < blocks.blocks(); ++block)
+    for (std::size_t i = 0; i < shape.rows; ++i)
+      for (std::size_t j = blocks.begin(block); j < blocks.begin(block + 1); ++j, ++entry) {
+        const float* value = lanes + (slots != nullptr ? slots[entry] : entry) * kTile;
+        for (int color = first_color; color < last_color; ++color) {
+          float* target = transferred + (i * 3 + color) * kTile;
+          const Vector factor = hn::Set(kFloats, light[j * 3 + color]);
+          for (std::size_t lane = 0; lane < kTile; lane += kLanes)
+            hn::Store(hn::MulAdd(hn::Load(kFloats, value + lane), factor, hn::Load(kFloats, target + lane)),
+                      kFloats, target + lane);
+        }
+      }
+}
+
+void sparseSums(const SumGroup* groups, std::size_t group_count, const std::uint16_t* source,
+                const float* factor, const float* lanes, float* result) {
+  for (std::size_t group = 0; group < group_count; ++group) {
+    const std::size_t length = groups[group].length;
+    for (std::size_t sum = 0; sum < groups[group].sums; ++sum) {
+      for (std::size_t lane = 0; lane < kTile; lane += kLanes) {
+        Vector total =
+            hn::Mul(hn::Set(kFloats, factor[0]), hn::Load(kFloats, lanes + source[0] * kTile + lane));
+        for (std::size_t e = 1; e < length; ++e)
+          total = hn::MulAdd(hn::Set(kFloats, factor[e]), hn::Load(kFloats, lanes + source[e] * kTile + lane),
+                             total);
+        hn::Store(total, kFloats, result + lane);
+      }
+      result += kTile;
+      source += length;
+      factor += length;
+    }
+  }
+}
+
+// Adds members first … of one block to their products, one vector of row lanes.
+template <std::size_t kMembers, std::size_t kColors, class T>
+HWY_INLINE void multiplyMembers(const T* basis, std::size_t columns, const float* light_lanes,
+                                std::size_t row_lanes, float* product) {
+  for (std::size_t lane = 0; lane < kTile; lane += kLanes) {
+    Vector sums[kMembers * kColors];
+#pragma GCC unroll 12
+    for (std::size_t s = 0; s < kMembers * kColors; ++s)
+      sums[s] = hn::Load(kFloats, product + (s / kColors * 3 + s % kColors) * row_lanes + lane);
+    for (std::size_t j = 0; j < columns; ++j) {
+      Vector values[kMembers];
+#pragma GCC unroll 4
+      for (std::size_t member = 0; member < kMembers; ++member)
+        values[member] = load(basis + (j * kMembers + member) * kTile + lane);
+#pragma GCC unroll 3
+      for (std::size_t color = 0; color < kColors; ++color) {
+        const Vector light = hn::Load(kFloats, light_lanes + (j * 3 + color) * row_lanes + lane);
+#pragma GCC unroll 4
+        for (std::size_t member = 0; member < kMembers; ++member)
+          sums[member * kColors + color] = hn::MulAdd(values[member], light, sums[member * kColors + color]);
+      }
+    }
+#pragma GCC unroll 12
+    for (std::size_t s = 0; s < kMembers * kColors; ++s)
+      hn::Store(sums[s], kFloats, product + (s / kColors * 3 + s % kColors) * row_lanes + lane);
+  }
+}
+
+void multiplyBasis(const TileValues& basis, std::size_t members, MatrixShape shape, const float* light_lanes,
+                   int first_color, int last_color, float* product) {
+  const Blocks blocks{members, kRowBlock};
+  const std::size_t row_vectors = (shape.rows + kTile - 1) / kTile, row_lanes = row_vectors * kTile;
+  withType(basis, [&]<class T>(const T* data) {
+    for (std::size_t block = 0; block < blocks.blocks(); ++block) {
+      const std::size_t begin = blocks.begin(block), size = blocks.begin(block + 1) - begin;
+      for (std::size_t vector = 0; vector < row_vectors; ++vector) {
+        withSize<kRowBlock>(size, [&]<std::size_t kMembers>() {
+          const T* values = data + (begin * row_vectors + vector * kMembers) * shape.columns * kTile;
+          const float* light = light_lanes + first_color * row_lanes + vector * kTile;
+          float* target = product + (begin * 3 + first_color) * row_lanes + vector * kTile;
+          if (last_color - first_color == 3)
+            multiplyMembers<kMembers, 3>(values, shape.columns, light, row_lanes, target);
+          else
+            multiplyMembers<kMembers, 1>(values, shape.columns, light, row_lanes, target);
+        });
+      }
+    }
+  });
+}
+
+// visit(i, sums) for blocks of rows: sums[row · 3 + c] is transferred(i + row, c).
+template <std::size_t kRows, class Visit>
+HWY_INLINE void combineRows(const float* product, std::size_t components, const float* weights,
+                            std::size_t begin, std::size_t row_lanes, std::size_t lane, const Visit& visit) {
+  Vector sums[kRows * 3];
+  const float* member = product + begin;
+#pragma GCC unroll 12
+  for (std::size_t s = 0; s < kRows * 3; ++s) sums[s] = hn::Set(kFloats, member[s % 3 * row_lanes + s / 3]);
+  for (std::size_t k = 0; k < components; ++k) {
+    member += 3 * row_lanes;
+    const Vector weight = hn::Load(kFloats, weights + k * kTile + lane);
+#pragma GCC unroll 12
+    for (std::size_t s = 0; s < kRows * 3; ++s)
+      sums[s] = hn::MulAdd(weight, hn::Set(kFloats, member[s % 3 * row_lanes + s / 3]), sums[s]);
+  }
+  visit(sums);
+}
+
+void shadeCluster(const float* product, std::size_t components, const float* weights, std::size_t row_count,
+                  TileRows rows, float* radiance) {
+  const Blocks blocks{row_count, kRowBlock};
+  const std::size_t row_lanes = (row_count + kTile - 1) / kTile * kTile;
+  for (std::size_t lane = 0; lane < kTile; lane += kLanes) {
+    Vector red = hn::Zero(kFloats), green = red, blue = red;
+    for (std::size_t block = 0; block < blocks.blocks(); ++block) {
+      const std::size_t begin = blocks.begin(block), size = blocks.begin(block + 1) - begin;
+      withSize<kRowBlock>(size, [&]<std::size_t kRows>() {
+        combineRows<kRows>(
+            product, components, weights, begin, row_lanes, lane, [&](const Vector(&transferred)[kRows * 3]) {
+#pragma GCC unroll 4
+              for (std::size_t row = 0; row < kRows; ++row) {
+                const Vector factor = hn::LoadU(kFloats, rows.rows + (begin + row) * rows.stride + lane);
+                red = hn::MulAdd(factor, transferred[row * 3], red);
+                green = hn::MulAdd(factor, transferred[row * 3 + 1], green);
+                blue = hn::MulAdd(factor, transferred[row * 3 + 2], blue);
+              }
+            });
+      });
+    }
+    hn::Store(red, kFloats, radiance + lane);
+    hn::Store(green, kFloats, radiance + kTile + lane);
+    hn::Store(blue, kFloats, radiance + 2 * kTile + lane);
+  }
+}
+
+void transferCluster(const float* product, std::size_t components, const float* weights,
+                     std::size_t row_count, float* transferred) {
+  const std::size_t row_lanes = (row_count + kTile - 1) / kTile * kTile;
+  for (std::size_t lane = 0; lane < kTile; lane += kLanes)
+    for (std::size_t i = 0; i < row_count; ++i)
+      combineRows<1>(product, components, weights, i, row_lanes, lane, [&](const Vector(&sums)[3]) {
+        for (std::size_t color = 0; color < 3; ++color)
+          hn::Store(sums[color], kFloats, transferred + (i * 3 + color) * kTile + lane);
+      });
+}
+
+const Kernels& kernelsOfTarget() {
+  static constexpr Kernels table = {decode,     shadeMatrices, shadeSlots,   transferSlots,
+                                    sparseSums, multiplyBasis, shadeCluster, transferCluster};
+  return table;
+}
+
+}  // namespace bakelight::transport::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace bakelight::transport {
+
+HWY_EXPORT(kernelsOfTarget);
+
+const Kernels& kernels() {
+  return HWY_DYNAMIC_DISPATCH(kernelsOfTarget)();
+}
+
+}  // namespace bakelight::transport
+#endif
