@@ -278,8 +278,9 @@ class Checker {
   }
 
   void checkBrdf(const BrdfTable& table) const {
-    if (table.angles < 2)
-      throw error("section brdf", "it has " + std::to_string(table.angles) + " angles", "2 or more");
+    if (table.angles < 2 || table.angles > kMaxAngles)
+      throw error("section brdf", "it has " + std::to_string(table.angles) + " angles",
+                  "2 to " + std::to_string(kMaxAngles));
     if (table.order < transfer_.row_order || table.order > kMaxOrder) {
       throw error("section brdf", "its order is " + std::to_string(table.order),
                   std::to_string(transfer_.row_order) + " (the matrices' row order) to 10",

@@ -10,7 +10,7 @@
 
 namespace bakelight::formats {
 
-inline constexpr int kMaxOrder = 10;
+inline constexpr int kMaxOrder = 10, kMaxAngles = 65536;
 
 // Throws Error(kBadInput) naming `file` and the section, vertex or triangle that is wrong.
 void checkPack(const Pack& pack, const std::string& file);

@@ -257,7 +257,7 @@ class PackReader {
   BrdfTable readBrdf(const std::string& pointer) const {
     BrdfTable table;
     table.order = orderAt(pointer + "/order");
-    table.angles = intAt(pointer + "/angles", 2, 65536);
+    table.angles = intAt(pointer + "/angles", 2, kMaxAngles);
     const auto coefficients = static_cast<std::uint64_t>(table.order * table.order);
     table.values = readValues<float>(pointer + "/bufferView",
                                      static_cast<std::uint64_t>(table.angles) * 3 * coefficients);

@@ -1,223 +1,32 @@
 #include "tools/pack/packing.h"
 
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <utility>
 
 #include "formats/error.h"
 #include "formats/mesh_ply.h"
+#include "tools/pack/tensor_source.h"
+#include "tools/pack/transfer_reader.h"
 
 namespace bakelight::packing {
 namespace {
 
-using formats::ElementType;
 using formats::EncodedTable;
-using formats::Float3;
 using formats::LobeModel;
 using formats::MatrixStorage;
-using formats::Precision;
 using formats::Tensor;
 using formats::TensorFile;
 
-std::uint64_t squared(int order) {
-  return static_cast<std::uint64_t>(order) * static_cast<std::uint64_t>(order);
-}
-
-std::string shapeText(const std::vector<std::uint64_t>& shape) {
-  std::string text;
-  for (const std::uint64_t extent : shape) text += (text.empty() ? "" : " × ") + std::to_string(extent);
-  return text;
-}
-
-// A tensor file whose statements are checked as they are read.
-class Source {
- public:
-  Source(const TensorFile& tensors, const std::string& file, std::string remedy)
-      : tensors_(tensors), file_(file), remedy_(std::move(remedy)) {}
-
-  Error error(const std::string& element, const std::string& what, const std::string& expected) const {
-    return badInput({file_, element, ""}, what, expected, remedy_);
-  }
-
-  const std::string& text(const char* key) const { return tensors_.requireMetadata(key, file_); }
-
-  void requireText(const char* key, const std::string& expected) const {
-    if (text(key) == expected) return;
-    throw error(std::string("metadata ") + key, "it is '" + text(key) + "'", "'" + expected + "'");
-  }
-
-  int order(const char* key) const {
-    const std::string& digits = text(key);
-    int order = 0;
-    const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), order);
-    if (status == std::errc() && end == digits.data() + digits.size() && order >= 1 && order <= 10)
-      return order;
-    throw error(std::string("metadata ") + key, "it is '" + digits + "'", "1 to 10");
-  }
-
-  bool has(const char* name) const { return tensors_.tensors.contains(name); }
-
-  const Tensor& tensor(const char* name, std::size_t rank, ElementType type = ElementType::kFloat32) const {
-    return tensors_.require(name, type, rank, file_);
-  }
-
-  // `expected` says in words what the extents are.
-  const Tensor& tensor(const char* name, const std::vector<std::uint64_t>& shape, const std::string& expected,
-                       ElementType type = ElementType::kFloat32) const {
-    const Tensor& found = tensor(name, shape.size(), type);
-    if (found.shape == shape) return found;
-    throw error(std::string("tensor ") + name, "its shape is " + shapeText(found.shape),
-                shapeText(shape) + ", " + expected);
-  }
-
-  EncodedTable table(const char* name, const Tensor& tensor, std::uint64_t columns,
-                     Precision precision) const {
-    return encodeTable(tensor.as<float>(), columns, precision, file_, std::string("tensor ") + name);
-  }
-
- private:
-  const TensorFile& tensors_;
-  const std::string& file_;
-  std::string remedy_;
-};
-
-// ---- the transfer file
-
-class TransferReader {
- public:
-  TransferReader(const Source& source, std::uint64_t vertices, Precision precision)
-      : source_(source), vertices_(vertices), precision_(precision) {}
-
-  formats::RadianceTransfer read() {
-    source_.requireText("basis", "real_sh_cartesian");
-    source_.requireText("albedo", "outside");
-    source_.requireText("inverse_pi", "inside");
-    result_.order = source_.order("order");
-    result_.transport = source_.text("transport");
-    readDiffuse();
-    if (source_.has("near_transfer")) readNearField();
-    const std::string& technique = source_.text("technique");
-    if (technique == "glossy") {
-      readGlossy();
-    } else if (technique != "diffuse") {
-      throw source_.error("metadata technique", "it is '" + technique + "'", "'diffuse' or 'glossy'");
-    }
-    return std::move(result_);
-  }
-
- private:
-  std::uint64_t channels() const { return static_cast<std::uint64_t>(result_.channels); }
-  std::uint64_t matrixValues() const {
-    return channels() * squared(result_.row_order) * squared(result_.order);
-  }
-
-  EncodedTable vectors(const char* name) const {
-    const Tensor& tensor =
-        source_.tensor(name, {vertices_, channels(), squared(result_.order)}, "vertices × channels × order²");
-    return source_.table(name, tensor, channels() * squared(result_.order), Precision::kFloat32);
-  }
-
-  void readDiffuse() {
-    const std::uint64_t channel_count = source_.tensor("transfer", 3).shape[1];
-    if (channel_count != 1 && channel_count != 3) {
-      throw source_.error("tensor transfer", "it has " + std::to_string(channel_count) + " channels",
-                          "1 or 3");
-    }
-    result_.channels = static_cast<int>(channel_count);
-    result_.vectors = vectors("transfer");
-  }
-
-  void readNearField() {
-    result_.near_vectors = vectors("near_transfer");
-    const auto sphere = source_.tensor("sphere", {4}, "centre and radius").as<float>();
-    result_.sphere_center = {sphere[0], sphere[1], sphere[2]};
-    result_.sphere_radius = sphere[3];
-  }
-
-  void readGlossy() {
-    result_.row_order = source_.order("row_order");
-    readTangents();
-    const std::string& storage = source_.text("storage");
-    if (storage == "matrix") {
-      readMatrices();
-    } else if (storage == "visibility") {
-      readVisibility();
-    } else if (storage == "cpca") {
-      readClusters();
-    } else {
-      throw source_.error("metadata storage", "it is '" + storage + "'", "'matrix', 'visibility' or 'cpca'");
-    }
-  }
-
-  void readTangents() {
-    const auto values = source_.tensor("tangent", {vertices_, 4}, "vertices × (x, y, z, sign)").as<float>();
-    result_.tangents.resize(vertices_);
-    if (!values.empty()) std::memcpy(result_.tangents.data(), values.data(), values.size_bytes());
-  }
-
-  void readMatrices() {
-    result_.storage = MatrixStorage::kMatrix;
-    const Tensor& tensor =
-        source_.tensor("matrix", {vertices_, channels(), squared(result_.row_order), squared(result_.order)},
-                       "vertices × channels × row_order² × order²");
-    result_.matrices = source_.table("matrix", tensor, matrixValues(), precision_);
-  }
-
-  void readVisibility() {
-    result_.storage = MatrixStorage::kVisibility;
-    if (result_.channels != 1) {
-      throw source_.error("metadata storage", "visibility has no colour, but the transfer has 3 channels",
-                          "1 channel; or storage matrix or cpca, which hold coloured interreflection");
-    }
-    const std::uint64_t values = squared(result_.row_order + result_.order - 1);
-    const Tensor& tensor =
-        source_.tensor("visibility", {vertices_, values}, "vertices × (row_order + order − 1)²");
-    result_.matrices = source_.table("visibility", tensor, values, precision_);
-  }
-
-  void readClusters() {
-    result_.storage = MatrixStorage::kCpca;
-    const Tensor& weights = source_.tensor("weights", 2);
-    const std::uint64_t components = weights.shape[1];
-    if (weights.shape[0] != vertices_ || components == 0) {
-      throw source_.error("tensor weights", "its shape is " + shapeText(weights.shape),
-                          std::to_string(vertices_) + " × 1 or more, vertices × weights");
-    }
-    result_.matrices = source_.table("weights", weights, components, precision_);
-    const Tensor& basis = source_.tensor("basis", 5);
-    source_.tensor(
-        "basis",
-        {basis.shape[0], 1 + components, channels(), squared(result_.row_order), squared(result_.order)},
-        "clusters × (1 + weights) × channels × row_order² × order²");
-    result_.basis = source_.table("basis", basis, matrixValues(),
-                                  precision_ == Precision::kUint8 ? Precision::kFloat16 : precision_);
-    const auto clusters =
-        source_.tensor("cluster", {vertices_}, "one a vertex", ElementType::kUint32).as<std::uint32_t>();
-    result_.clusters.assign(clusters.begin(), clusters.end());
-  }
-
-  const Source& source_;
-  std::uint64_t vertices_;
-  Precision precision_;
-  formats::RadianceTransfer result_;
-};
-
-// ---- what the transfer meets: mesh, albedo, lobe
-
-void requireSameMesh(const Source& source, const formats::TriangleMesh& mesh, const std::string& mesh_file) {
-  const auto& shape = source.tensor("transfer", 3).shape;
-  if (shape[0] != mesh.vertexCount()) {
-    throw source.error("tensor transfer", "it is for " + std::to_string(shape[0]) + " vertices",
-                       std::to_string(mesh.vertexCount()) + ", the vertices of " + mesh_file);
-  }
+void requireSameMesh(const TensorSource& source, const formats::TriangleMesh& mesh,
+                     const std::string& mesh_file) {
   const std::string hash = formats::geometryHash(mesh);
   if (source.text("mesh_hash") == hash) return;
   throw source.error("metadata mesh_hash", "the transfer was baked for another mesh than " + mesh_file, hash);
 }
 
 // The albedo that interreflection was baked with, one for all or one a vertex.
-void takeAlbedo(const Source& source, formats::Pack& pack) {
+void takeAlbedo(const TensorSource& source, formats::Pack& pack) {
   const Tensor& tensor = source.tensor("albedo", 2);
   const std::uint64_t rows = tensor.shape[0], vertices = pack.mesh.vertexCount();
   if ((rows != 1 && rows != vertices) || tensor.shape[1] != 3) {
@@ -235,7 +44,7 @@ void takeAlbedo(const Source& source, formats::Pack& pack) {
 }
 
 formats::BrdfTable brdfTable(const TensorFile& tensors, const std::string& file) {
-  const Source source(tensors, file, "make it with the brdf tool of this version");
+  const TensorSource source(tensors, file, "make it with the brdf tool of this version");
   source.requireText("basis", "real_sh_cartesian");
   source.requireText("frame", "local");
   source.requireText("cosine", "inside");
@@ -321,12 +130,12 @@ const std::vector<std::string>& lobeNames() {
 
 formats::Pack assemblePack(formats::TriangleMesh mesh, const TensorFile& transfer, const TensorFile* brdf,
                            const PackingOptions& options, const SourceNames& files) {
-  const Source source(transfer, files.transfer,
-                      "bake it again, for this mesh and by the transfer tool of this version");
-  requireSameMesh(source, mesh, files.mesh);
+  const TensorSource source(transfer, files.transfer,
+                            "bake it again, for this mesh and by the transfer tool of this version");
   formats::Pack pack{options.name, std::move(mesh), options.albedo, {}, {}};
+  pack.transfer = readTransfer(source, pack.mesh.vertexCount(), options.precision);
+  requireSameMesh(source, pack.mesh, files.mesh);
   if (source.has("albedo")) takeAlbedo(source, pack);
-  pack.transfer = TransferReader(source, pack.mesh.vertexCount(), options.precision).read();
   const LobeModel lobe = lobeNamed(options.lobe);
   checkCombination(lobe, pack.transfer.storage, brdf != nullptr, files);
   pack.transfer.material = materialOf(lobe, options, brdf, files.brdf);

@@ -1,0 +1,16 @@
+// The transfer stage's file as the transfer of a pack.
+#pragma once
+
+#include <cstdint>
+
+#include "formats/pack_contents.h"
+#include "tools/pack/tensor_source.h"
+
+namespace bakelight::packing {
+
+// Without the lobe. Throws Error(kBadInput) naming tensor or key for what does not fit `vertices`, for what a
+// pack cannot hold, and for values that do not fit `precision` (see PackingOptions).
+formats::RadianceTransfer readTransfer(const TensorSource& source, std::uint64_t vertices,
+                                       formats::Precision precision);
+
+}  // namespace bakelight::packing
