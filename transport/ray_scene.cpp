@@ -71,11 +71,12 @@ RayScene::RayScene(const formats::TriangleMesh& mesh) : implementation_(std::mak
 
 RayScene::~RayScene() = default;
 
-void RayScene::occluded(const Float3& origin, const RayBundle& bundle, float t_near,
-                        std::span<std::uint8_t> blocked) const {
-  alignas(64) RTCRay16 rays;
-  alignas(64) int valid[kPacketWidth];
-  for (int i = 0; i < kPacketWidth; ++i) {
+namespace {
+
+using IntMask = int[RayScene::kPacketWidth];
+
+void setOrigin(RTCRay16& rays, const Float3& origin, float t_near) {
+  for (int i = 0; i < RayScene::kPacketWidth; ++i) {
     rays.org_x[i] = origin[0];
     rays.org_y[i] = origin[1];
     rays.org_z[i] = origin[2];
@@ -85,20 +86,59 @@ void RayScene::occluded(const Float3& origin, const RayBundle& bundle, float t_n
     rays.id[i] = 0;
     rays.flags[i] = 0;
   }
+}
+
+// Rays first … first + count of the bundle into the packet.
+void setDirections(RTCRay16& rays, IntMask& valid, const RayBundle& bundle, std::size_t first,
+                   std::size_t count) {
+  std::copy_n(&bundle.x[first], count, rays.dir_x);
+  std::copy_n(&bundle.y[first], count, rays.dir_y);
+  std::copy_n(&bundle.z[first], count, rays.dir_z);
+  for (std::size_t i = 0; i < RayScene::kPacketWidth; ++i) {
+    valid[i] = i < count ? -1 : 0;
+    rays.tfar[i] = std::numeric_limits<float>::infinity();
+  }
+}
+
+}  // namespace
+
+void RayScene::occluded(const Float3& origin, const RayBundle& bundle, float t_near,
+                        std::span<std::uint8_t> blocked) const {
+  alignas(64) RTCRay16 rays;
+  alignas(64) IntMask valid;
+  setOrigin(rays, origin, t_near);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-
   for (std::size_t first = 0; first < blocked.size(); first += kPacketWidth) {
     const std::size_t count = std::min<std::size_t>(kPacketWidth, blocked.size() - first);
-    std::copy_n(&bundle.x[first], count, rays.dir_x);
-    std::copy_n(&bundle.y[first], count, rays.dir_y);
-    std::copy_n(&bundle.z[first], count, rays.dir_z);
-    for (std::size_t i = 0; i < kPacketWidth; ++i) {
-      valid[i] = i < count ? -1 : 0;
-      rays.tfar[i] = std::numeric_limits<float>::infinity();
-    }
+    setDirections(rays, valid, bundle, first, count);
     rtcOccluded16(valid, implementation_->scene, &context, &rays);
     for (std::size_t i = 0; i < count; ++i) blocked[first + i] = rays.tfar[i] < 0 ? 1 : 0;
+  }
+}
+
+void RayScene::nearestHits(const Float3& origin, const RayBundle& bundle, float t_near, std::size_t count,
+                           HitBundle& hits) const {
+  alignas(64) RTCRayHit16 query;
+  alignas(64) IntMask valid;
+  setOrigin(query.ray, origin, t_near);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  for (std::size_t first = 0; first < count; first += kPacketWidth) {
+    const std::size_t lanes = std::min<std::size_t>(kPacketWidth, count - first);
+    setDirections(query.ray, valid, bundle, first, lanes);
+    std::fill_n(query.hit.geomID, kPacketWidth, RTC_INVALID_GEOMETRY_ID);
+    rtcIntersect16(valid, implementation_->scene, &context, &query);
+    for (std::size_t i = 0; i < lanes; ++i) {
+      hits.blocked[first + i] = query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
+      hits.triangle[first + i] = query.hit.primID[i];
+      hits.u[first + i] = query.hit.u[i];
+      hits.v[first + i] = query.hit.v[i];
+      hits.distance[first + i] = query.ray.tfar[i];
+      const float towards = query.hit.Ng_x[i] * query.ray.dir_x[i] + query.hit.Ng_y[i] * query.ray.dir_y[i] +
+                            query.hit.Ng_z[i] * query.ray.dir_z[i];
+      hits.back_face[first + i] = towards > 0 ? 1 : 0;
+    }
   }
 }
 
@@ -118,7 +158,9 @@ Hit RayScene::nearestHit(const Vec3& origin, const Vec3& direction, float t_near
   rtcInitIntersectContext(&context);
   rtcIntersect1(implementation_->scene, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  return {true, query.ray.tfar, query.hit.primID, query.hit.u, query.hit.v};
+  const float towards =
+      query.hit.Ng_x * query.ray.dir_x + query.hit.Ng_y * query.ray.dir_y + query.hit.Ng_z * query.ray.dir_z;
+  return {true, query.ray.tfar, query.hit.primID, query.hit.u, query.hit.v, towards > 0};
 }
 
 std::string RayScene::executionPath() {

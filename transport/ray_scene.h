@@ -32,7 +32,20 @@ struct Hit {
   bool valid = false;
   float distance = 0;
   std::uint32_t triangle = 0;
-  float u = 0, v = 0;  // barycentric weights of the triangle's second and third vertex
+  float u = 0, v = 0;      // barycentric weights of the triangle's second and third vertex
+  bool back_face = false;  // the ray met the side that the triangle is clockwise on
+};
+
+// Nearest hits of a bundle's rays, as a structure of arrays.
+struct HitBundle {
+  std::vector<std::uint8_t> blocked;    // 1 where something was hit; the rest is set for those only
+  std::vector<std::uint8_t> back_face;  // as in Hit
+  std::vector<std::uint32_t> triangle;
+  std::vector<float> u, v, distance;
+
+  HitBundle() = default;
+  explicit HitBundle(std::size_t size)
+      : blocked(size), back_face(size), triangle(size), u(size), v(size), distance(size) {}
 };
 
 class RayScene {
@@ -52,6 +65,10 @@ class RayScene {
   // of them). Thread-safe; allocates nothing.
   void occluded(const Float3& origin, const RayBundle& bundle, float t_near,
                 std::span<std::uint8_t> blocked) const;
+  // The nearest hits of the first `count` rays of the bundle, into the first entries of `hits`, which holds
+  // as many. Thread-safe; allocates nothing.
+  void nearestHits(const Float3& origin, const RayBundle& bundle, float t_near, std::size_t count,
+                   HitBundle& hits) const;
   Hit nearestHit(const Vec3& origin, const Vec3& direction, float t_near = 0) const;
 
   // "embree 3.13.5 avx512": the instruction set that Embree chose on this machine, which may move a hit by a

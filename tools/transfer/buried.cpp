@@ -15,13 +15,6 @@ namespace {
 
 constexpr int kProbeDirections = 128;  // over the sphere
 
-bool isBackFace(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3& direction) {
-  const auto& [a, b, c] = mesh.triangles[triangle];
-  const Vec3 ab = vec3(mesh.positions[b]) - vec3(mesh.positions[a]);
-  const Vec3 ac = vec3(mesh.positions[c]) - vec3(mesh.positions[a]);
-  return ab.cross(ac).dot(direction) > 0;
-}
-
 using Ring = std::vector<std::uint32_t>;
 
 // Vertices that share an edge with each buried one; empty for the others.
@@ -42,45 +35,46 @@ std::vector<Ring> neighboursOf(const TriangleMesh& mesh, std::span<const std::ui
 
 }  // namespace
 
-bool isBuried(const TriangleMesh& mesh, const transport::RayScene& scene, const Float3& origin,
-              const Float3& normal) {
+bool isBuried(const transport::RayScene& scene, const Float3& origin, const Float3& normal) {
   static const std::vector<Vec3> directions = transport::sphereDirections(kProbeDirections);
   int front = 0, back = 0;
   for (const Vec3& direction : directions) {
     if (direction.dot(vec3(normal)) <= 0) continue;
     const transport::Hit hit = scene.nearestHit(vec3(origin), direction);
-    if (hit.valid) ++(isBackFace(mesh, hit.triangle, direction) ? back : front);
+    if (hit.valid) ++(hit.back_face ? back : front);
   }
   return back > front;
 }
 
-std::uint64_t fillBuried(const TriangleMesh& mesh, std::span<const std::uint8_t> buried,
-                         std::span<float> vectors, std::size_t count) {
+BuriedFill::BuriedFill(const TriangleMesh& mesh, std::span<const std::uint8_t> buried) {
+  if (std::find(buried.begin(), buried.end(), 1) == buried.end()) return;
   const std::vector<Ring> rings = neighboursOf(mesh, buried);
   std::vector<std::uint8_t> open(buried.begin(), buried.end());
-  std::uint64_t filled = 0;
   while (true) {
     // Who borders on a filled vertex is decided before any of this round is filled, so the order does not
     // matter.
-    std::vector<std::uint32_t> round;
-    for (std::uint32_t v = 0; v < open.size(); ++v)
-      if (open[v] != 0 && std::any_of(rings[v].begin(), rings[v].end(), [&](auto n) { return open[n] == 0; }))
-        round.push_back(v);
-    if (round.empty()) return filled;
-
-    for (const std::uint32_t v : round) {
-      std::vector<double> sum(count, 0.0);
-      int neighbours = 0;
-      for (const std::uint32_t n : rings[v]) {
-        if (open[n] != 0) continue;
-        for (std::size_t i = 0; i < count; ++i) sum[i] += vectors[n * count + i];
-        ++neighbours;
-      }
-      for (std::size_t i = 0; i < count; ++i)
-        vectors[v * count + i] = static_cast<float>(sum[i] / neighbours);
+    const std::size_t first = steps_.size();
+    for (std::uint32_t v = 0; v < open.size(); ++v) {
+      if (open[v] == 0) continue;
+      Step step{v, {}};
+      for (const std::uint32_t neighbour : rings[v])
+        if (open[neighbour] == 0) step.sources.push_back(neighbour);
+      if (!step.sources.empty()) steps_.push_back(std::move(step));
     }
-    for (const std::uint32_t v : round) open[v] = 0;
-    filled += round.size();
+    if (steps_.size() == first) return;
+    for (std::size_t i = first; i < steps_.size(); ++i) open[steps_[i].vertex] = 0;
+  }
+}
+
+void BuriedFill::apply(std::span<float> table, std::size_t row_size) const {
+  std::vector<double> sum(row_size);
+  for (const Step& step : steps_) {
+    std::fill(sum.begin(), sum.end(), 0.0);
+    for (const std::uint32_t source : step.sources)
+      for (std::size_t i = 0; i < row_size; ++i) sum[i] += table[source * row_size + i];
+    for (std::size_t i = 0; i < row_size; ++i)
+      table[step.vertex * row_size + i] =
+          static_cast<float>(sum[i] / static_cast<double>(step.sources.size()));
   }
 }
 

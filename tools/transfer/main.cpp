@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "formats/mesh_ply.h"
 #include "formats/tensors.h"
 #include "tools/stage/stage.h"
 #include "tools/transfer/transfer.h"
@@ -12,36 +11,40 @@
 using namespace bakelight;
 
 int main(int argc, char** argv) {
-  std::filesystem::path mesh_path, transfer_path;
-  transfer::DiffuseOptions options;
-  std::string visibility = "shadowed";
-
-  stage::Tool tool("transfer", "Bakes diffuse radiance transfer vectors at the vertices of a mesh.");
+  std::filesystem::path mesh_path, albedo_path, transfer_path;
+  transfer::TransferSettings settings;
+  stage::Tool tool("transfer", "Bakes radiance transfer at the vertices of a mesh.");
+  transfer::declare(tool, settings);
   tool.input("mesh", "mesh", mesh_path, "PLY mesh with normals, as simplify writes it")
-      .output("transfer", "tensors", transfer_path,
-              "safetensors file with the tensor \"transfer\", vertices × order²")
-      .parameter("order", options.order, {1, 10}, "SH bands",
-                 "Order of the light that the object will be shown in")
-      .parameter("directions", options.directions, {64, 1048576}, "directions over the sphere",
-                 "Rays for shadows; each vertex traces the half above its tangent plane")
-      .parameter(
-          "visibility", visibility, {"shadowed", "unshadowed"},
-          "Whether the object shadows itself; unshadowed is exact for convex objects and needs no rays")
-      .parameter("bias", options.bias, {0, 0.1}, "of the bounding sphere's radius",
-                 "Distance by which rays start off the surface")
+      .input("vertex_albedo", "tensors", albedo_path,
+             "reflectance at the vertices, from the albedo tool; default: the parameter albedo everywhere",
+             false)
+      .output("transfer", "tensors", transfer_path, "safetensors file for pack (docs/FORMATS.md)")
       .executionPath(transport::RayScene::executionPath);
 
   return tool.run(argc, argv, [&](stage::Run& run) {
-    options.visibility =
-        visibility == "shadowed" ? transfer::Visibility::kShadowed : transfer::Visibility::kUnshadowed;
+    const transfer::TransferOptions options = transfer::bakeOptions(settings);
     const formats::TriangleMesh mesh = transfer::readBakeableMesh(mesh_path);
+    std::vector<formats::Float3> albedo = transfer::readVertexAlbedo(albedo_path, mesh);
+    // Without bounces the albedo stays outside, and pack is free to choose it.
+    if (albedo.empty() && options.transport == transfer::Transport::kInterreflected)
+      albedo = {settings.albedo};
 
-    stage::Progress progress = run.progress("transfer", mesh.vertexCount(), "vertices");
     const auto start = std::chrono::steady_clock::now();
-    const transfer::DiffuseTransfer baked = transfer::bakeDiffuse(mesh, options, progress);
+    transfer::Transfer baked;
+    {
+      stage::Progress progress = run.progress("transfer", mesh.vertexCount(), "vertices");
+      baked = transfer::bakeTransfer(mesh, albedo, options, progress);
+    }
+    std::optional<transport::Cpca> cpca;
+    if (settings.technique == "glossy" && settings.storage == "cpca") {
+      stage::Progress progress = run.progress("cpca", settings.cpca.iterations, "rounds");
+      cpca = transport::clusteredPca(baked.matrices, baked.matrices.size() / mesh.vertexCount(),
+                                     settings.cpca, [&] { progress.advance(); });
+    }
     const double bake_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-    formats::writeSafetensors(transfer_path, transfer::tensorFile(mesh, options, visibility, baked));
-    transfer::report(mesh, baked, bake_s, run);
+    formats::writeSafetensors(transfer_path, transfer::tensorFile(mesh, settings, albedo, baked, cpca));
+    transfer::report(mesh, settings, baked, cpca, bake_s, run);
   });
 }

@@ -4,262 +4,336 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
+#include <chrono>
 #include <numbers>
 #include <numeric>
+#include <optional>
+#include <stdexcept>
 
 #include "tools/transfer/buried.h"
+#include "tools/transfer/matrices.h"
+#include "tools/transfer/shadow_pass.h"
+#include "tools/transfer/surface_points.h"
 #include "transport/camera.h"
-#include "transport/directions.h"
-#include "transport/ray_scene.h"
 #include "transport/sh.h"
 
 namespace bakelight::transfer {
 
 using formats::Float3;
 using formats::TriangleMesh;
+using transport::coefficientCount;
 using transport::Vec3;
 using transport::vec3;
 
 namespace {
 
-constexpr std::size_t kVerticesPerTask = 64;
+constexpr std::size_t kPointsPerTask = 64;
+using Clock = std::chrono::steady_clock;
 
-// Compiled for several instruction sets, the widest at hand chosen when the program starts. The kernels never
-// sum across lanes and never fuse a multiplication with an addition, so each of them gives the same bits.
-// Sanitizers are not ready yet when that choice is made.
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define BAKELIGHT_MULTIVERSIONED __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define BAKELIGHT_MULTIVERSIONED
-#endif
-
-// The quadrature's directions with the basis tabulated, coefficients padded to whole tiles.
-struct Quadrature {
-  static constexpr int kTile = 32;  // coefficients whose sums stay in registers
-
-  int order = 0, row_size = 0;
-  transport::RayBundle directions;
-  std::vector<float> basis;  // directions × row_size
-  double weight = 0;         // 4π / count
-
-  Quadrature(int sh_order, int count)
-      : order(sh_order),
-        row_size((transport::coefficientCount(sh_order) + kTile - 1) / kTile * kTile),
-        directions(count),
-        basis(static_cast<std::size_t>(count) * row_size, 0.0f),
-        weight(4 * std::numbers::pi / count) {
-    const std::vector<Vec3> lattice = transport::sphereDirections(count);
-    tbb::parallel_for(0, count, [&](int d) {
-      directions.set(d, transport::float3(lattice[d]));
-      std::array<double, transport::coefficientCount(transport::kMaxOrder)> values;
-      const int used = transport::coefficientCount(order);
-      transport::evaluateSh(order, lattice[d], std::span(values).first(used));
-      std::copy_n(values.begin(), used, &basis[static_cast<std::size_t>(d) * row_size]);
-    });
-  }
-
-  const float* row(std::uint32_t direction) const {
-    return &basis[static_cast<std::size_t>(direction) * row_size];
-  }
-};
-
-// sums[i] += Σ_k weights[k] · basis row of chosen[k]. One tile of coefficients at a time, so that its sums
-// stay in registers; in blocks whose float sums go into doubles, so that the error does not grow with the
-// number of directions. The order of additions is fixed and no lane is summed across, so every instruction
-// set gives the same bits.
-BAKELIGHT_MULTIVERSIONED void accumulate(const Quadrature& quadrature, std::span<const std::uint32_t> chosen,
-                                         std::span<const float> weights, std::span<double> sums) {
-  constexpr std::size_t kBlock = 128;
-  constexpr int kTile = Quadrature::kTile;
-  for (std::size_t first = 0; first < chosen.size(); first += kBlock) {
-    const std::size_t end = std::min(first + kBlock, chosen.size());
-    for (int tile = 0; tile < quadrature.row_size; tile += kTile) {
-      std::array<float, kTile> partial{};
-      for (std::size_t k = first; k < end; ++k) {
-        const float* row = quadrature.row(chosen[k]) + tile;
-        const float weight = weights[k];
-        for (int i = 0; i < kTile; ++i) partial[i] += weight * row[i];
-      }
-      for (int i = 0; i < kTile; ++i) sums[tile + i] += partial[i];
-    }
-  }
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// What one thread reuses from vertex to vertex.
-struct Workspace {
-  explicit Workspace(std::size_t directions)
-      : hemisphere(directions), above(directions), cosines(directions), blocked(directions) {}
-
-  transport::RayBundle hemisphere;
-  std::vector<std::uint32_t> above, blocked_directions;
-  std::vector<float> cosines, blocked_cosines;
-  std::vector<std::uint8_t> blocked;
-  std::vector<double> all_sums, blocked_sums;
-  std::size_t count = 0;  // directions above the tangent plane; the arrays hold that many
-};
-
-// Directions above the tangent plane, compacted: full packets for the tracer. Every direction is written and
-// the end moves on only past those above, as the branch would be mispredicted too often.
-BAKELIGHT_MULTIVERSIONED void collectHemisphere(const Quadrature& quadrature, const Float3& normal,
-                                                Workspace& work) {
-  const float* const x = quadrature.directions.x.data();
-  const float* const y = quadrature.directions.y.data();
-  const float* const z = quadrature.directions.z.data();
-  std::size_t end = 0;
-  for (std::size_t d = 0; d < quadrature.directions.size(); ++d) {
-    const float cosine = normal[0] * x[d] + normal[1] * y[d] + normal[2] * z[d];
-    work.hemisphere.x[end] = x[d];
-    work.hemisphere.y[end] = y[d];
-    work.hemisphere.z[end] = z[d];
-    work.above[end] = static_cast<std::uint32_t>(d);
-    work.cosines[end] = cosine;
-    end += cosine > 0 ? 1 : 0;
-  }
-  work.count = end;
+bool isGray(const Float3& color) {
+  return color[0] == color[1] && color[1] == color[2];
 }
 
-void collectBlocked(Workspace& work) {
-  work.blocked_directions.clear();
-  work.blocked_cosines.clear();
-  for (std::size_t k = 0; k < work.count; ++k)
-    if (work.blocked[k] != 0) {
-      work.blocked_directions.push_back(work.above[k]);
-      work.blocked_cosines.push_back(work.cosines[k]);
-    }
-}
-
-// What a vertex adds to the totals; reduced in vertex order.
-struct VertexFigures {
-  std::uint32_t rays = 0, blocked = 0;
-  float quadrature_error = 0;
-  bool buried = false;
-};
-
-class ShadowedBaker {
+// What the several passes of one bake share.
+class Baker {
  public:
-  ShadowedBaker(const TriangleMesh& mesh, const DiffuseOptions& options)
+  Baker(const TriangleMesh& mesh, std::span<const Float3> albedo, const TransferOptions& options,
+        stage::Progress& progress)
       : mesh_(mesh),
-        scene_(mesh),
-        quadrature_(options.order, options.directions),
-        cosine_factors_(transport::clampedCosineFactors(options.order)),
-        offset_(static_cast<float>(surfaceOffset(mesh, options.bias))) {}
+        options_(options),
+        progress_(progress),
+        vertex_count_(mesh.vertexCount()),
+        coefficients_(coefficientCount(options.order)),
+        albedo_(albedo.begin(), albedo.end()),
+        points_(frontPoints(mesh, options.bias)) {
+    if (albedo_.empty()) albedo_.assign(1, {1, 1, 1});
+    if (albedo_.size() == 1) albedo_.assign(vertex_count_, Float3(albedo_.front()));
+    const bool interreflected = options.transport == Transport::kInterreflected;
+    if (albedo_.size() != vertex_count_)
+      throw std::invalid_argument("one albedo, or one a vertex, is needed");
+    if (interreflected && options.glossy == Glossy::kVisibility)
+      throw std::invalid_argument("a visibility vector cannot hold interreflection");
+    if (options.sphere_radius != 0 && options.sphere_radius <= 1)
+      throw std::invalid_argument("the virtual sphere must enclose the object");
+    result_.channels = interreflected && !std::all_of(albedo_.begin(), albedo_.end(), isGray) ? 3 : 1;
+    if (options.sphere_radius > 0) {
+      const transport::BoundingSphere bounds = transport::boundingSphere(mesh);
+      result_.sphere = {bounds.center, options.sphere_radius * bounds.radius};
+    }
+  }
 
-  std::size_t directionCount() const { return quadrature_.directions.size(); }
-
-  VertexFigures bake(std::size_t vertex, std::span<float> vector, Workspace& work) const {
-    collectHemisphere(quadrature_, mesh_.normals[vertex], work);
-    Float3 origin;
-    for (std::size_t c = 0; c < 3; ++c)
-      origin[c] = mesh_.positions[vertex][c] + offset_ * mesh_.normals[vertex][c];
-    scene_.occluded(origin, work.hemisphere, 0, std::span(work.blocked).first(work.count));
-    collectBlocked(work);
-
-    VertexFigures figures;
-    figures.rays = static_cast<std::uint32_t>(work.count);
-    figures.blocked = static_cast<std::uint32_t>(work.blocked_directions.size());
-    figures.quadrature_error = combine(vertex, vector, work);
-    figures.buried = figures.rays > 0 && figures.blocked == figures.rays &&
-                     isBuried(mesh_, scene_, origin, mesh_.normals[vertex]);
-    return figures;
+  Transfer bake() {
+    if (options_.transport == Transport::kUnshadowed) {
+      bakeUnshadowed();
+    } else {
+      const transport::RayScene scene(mesh_);
+      ShadowOptions shadow{options_.order, visibilityOrder(), sphere(),
+                           options_.transport == Transport::kInterreflected};
+      const ShadowPass pass(mesh_, scene, shadow, options_.directions);
+      const auto start = Clock::now();
+      traceFronts(pass);
+      result_.shadow_s = secondsSince(start);
+      if (shadow.record_hits) bounce(pass);
+      finishVectors();
+      if (options_.glossy == Glossy::kMatrices) bakeMatrices(pass, scene);
+    }
+    if (options_.glossy != Glossy::kNone) result_.tangents = vertexTangents(mesh_);
+    return std::move(result_);
   }
 
  private:
-  static double surfaceOffset(const TriangleMesh& mesh, double bias) {
-    const transport::BoundingSphere bounds = transport::boundingSphere(mesh);
-    const double farthest_coordinate = bounds.center.cwiseAbs().maxCoeff() + bounds.radius;
-    return std::max(bias * bounds.radius, 4 * std::numeric_limits<float>::epsilon() * farthest_coordinate);
+  std::optional<VirtualSphere> sphere() const {
+    return options_.sphere_radius > 0 ? std::optional(result_.sphere) : std::nullopt;
+  }
+  int visibilityOrder() const {
+    return options_.glossy == Glossy::kNone ? 0 : options_.row_order + options_.order - 1;
+  }
+  std::size_t visibilitySize() const { return coefficientCount(visibilityOrder()); }
+  std::size_t matrixSize() const { return coefficientCount(options_.row_order) * coefficients_; }
+
+  // Runs body(point index, workspace) over [first, points_.size()).
+  template <class Body>
+  void forPoints(const ShadowPass& pass, std::size_t first, const Body& body) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(first, points_.size(), kPointsPerTask),
+                      [&](const auto& range) {
+                        ShadowPass::Workspace work(pass);
+                        for (std::size_t p = range.begin(); p < range.end(); ++p) body(p, work);
+                        if (range.begin() < vertex_count_) progress_.advance(range.size());
+                      });
   }
 
-  // Puts closed form and quadrature together (see the header); returns the quadrature's error.
-  float combine(std::size_t vertex, std::span<float> vector, Workspace& work) const {
-    const int count = transport::coefficientCount(quadrature_.order);
-    std::array<double, transport::coefficientCount(transport::kMaxOrder)> exact;
-    const Vec3 normal = vec3(mesh_.normals[vertex]);
-    transport::evaluateSh(quadrature_.order, normal, std::span(exact).first(count));
-    for (int l = 0; l < quadrature_.order; ++l)
-      for (int i = l * l; i < (l + 1) * (l + 1); ++i) exact[i] *= cosine_factors_[l] / std::numbers::pi;
+  // Traces points_ from `first` on; grows the tables to hold them.
+  void tracePoints(const ShadowPass& pass, std::size_t first) {
+    result_.vectors.resize(points_.size() * coefficients_);
+    if (sphere()) result_.near_vectors.resize(points_.size() * coefficients_);
+    result_.visibility.resize(points_.size() * visibilitySize());
+    figures_.resize(points_.size());
+    const auto rowOf = [](std::vector<float>& table, std::size_t point, std::size_t size) {
+      return table.empty() ? std::span<float>() : std::span(table).subspan(point * size, size);
+    };
+    forPoints(pass, first, [&](std::size_t p, ShadowPass::Workspace& work) {
+      const PointTransfer transfer = {rowOf(result_.vectors, p, coefficients_),
+                                      rowOf(result_.near_vectors, p, coefficients_),
+                                      rowOf(result_.visibility, p, visibilitySize())};
+      figures_[p] = pass.trace(points_[p], sides_from_behind_, transfer, work);
+    });
+  }
 
-    if (work.blocked_directions.empty()) {
-      std::copy_n(exact.begin(), count, vector.begin());
-      return 0;
+  void traceFronts(const ShadowPass& pass) {
+    sides_from_behind_ = sidesFromBehind(mesh_);
+    tracePoints(pass, 0);
+    std::vector<std::uint8_t> buried;
+    for (const PointFigures& point : figures_) {
+      buried.push_back(point.buried ? 1 : 0);
+      result_.buried_vertices += point.buried ? 1 : 0;
+      result_.rays += point.rays;
+      result_.blocked_rays += point.blocked;
+      result_.inside_hits += point.inside_hits;
+      result_.fully_blocked_vertices += point.rays > 0 && point.blocked == point.rays ? 1 : 0;
+      result_.quadrature_error = std::max<double>(result_.quadrature_error, point.quadrature_error);
     }
-    work.all_sums.assign(quadrature_.row_size, 0.0);
-    work.blocked_sums.assign(quadrature_.row_size, 0.0);
-    accumulate(quadrature_, std::span(work.above).first(work.count), work.cosines, work.all_sums);
-    accumulate(quadrature_, work.blocked_directions, work.blocked_cosines, work.blocked_sums);
+    fill_ = BuriedFill(mesh_, buried);
+    result_.filled_vertices = fill_.filledVertices();
+  }
 
-    const bool sees_light = work.blocked_directions.size() < work.count;
-    // Coefficient 0 is constant, so its sums are the cosine-weighted counts.
-    const double visible = sees_light ? 1 - work.blocked_sums[0] / work.all_sums[0] : 0;
-    const double weight = quadrature_.weight / std::numbers::pi;
-    double error = 0;
-    for (int i = 0; i < count; ++i) {
-      const double all = weight * work.all_sums[i], blocked = weight * work.blocked_sums[i];
-      vector[i] = sees_light ? static_cast<float>(visible * exact[i] + (1 - visible) * all - blocked) : 0.0f;
-      error = std::max(error, std::abs(all - exact[i]));
+  // Traces the back sides that are seen, and those that these see, until no new one turns up.
+  void traceBacks(const ShadowPass& pass) {
+    row_of_side_.assign(2 * vertex_count_, kDarkSide);
+    std::iota(row_of_side_.begin(), row_of_side_.begin() + static_cast<std::ptrdiff_t>(vertex_count_), 0u);
+    for (std::size_t first = 0; first < points_.size();) {
+      std::vector<std::uint32_t> wanted;
+      for (std::size_t p = first; p < points_.size(); ++p)
+        for (const SeenVertex& seen : figures_[p].seen)
+          if (row_of_side_[seen.side] == kDarkSide)
+            row_of_side_[seen.side] = 0,
+            wanted.push_back(seen.side - static_cast<std::uint32_t>(vertex_count_));
+      std::sort(wanted.begin(), wanted.end());
+      first = points_.size();
+      for (const std::uint32_t vertex : wanted) {
+        row_of_side_[vertex + vertex_count_] = static_cast<std::uint32_t>(points_.size());
+        points_.push_back(backPoint(mesh_, points_[vertex], vertex));
+        albedo_.push_back(Float3(albedo_[vertex]));
+      }
+      if (!wanted.empty()) tracePoints(pass, first);
     }
-    return static_cast<float>(error);
+    result_.back_points = points_.size() - vertex_count_;
+  }
+
+  FormFactors formFactors() {
+    FormFactors factors;
+    for (PointFigures& point : figures_) {
+      for (const SeenVertex& seen : point.seen) {
+        factors.columns.push_back(row_of_side_[seen.side]);
+        factors.weights.push_back(seen.weight);
+      }
+      factors.row_begin.push_back(factors.columns.size());
+      point.seen = {};
+    }
+    result_.form_factors = factors.columns.size();
+    return factors;
+  }
+
+  // x0 of the interreflection: the direct vectors once a channel, then the near-field ones.
+  TransferField directField(std::vector<std::uint8_t>& channel_of_column) const {
+    const std::size_t sets = result_.near_vectors.empty() ? 1 : 2;
+    const auto channels = static_cast<std::size_t>(result_.channels);
+    TransferField field(points_.size(), sets * channels * coefficients_);
+    for (std::size_t p = 0; p < points_.size(); ++p) {
+      if (figures_[p].buried) continue;
+      for (std::size_t block = 0; block < sets * channels; ++block) {
+        const std::vector<float>& table = block < channels ? result_.vectors : result_.near_vectors;
+        std::copy_n(&table[p * coefficients_], coefficients_, field.row(p).begin() + block * coefficients_);
+      }
+    }
+    for (std::size_t column = 0; column < field.columns; ++column)
+      channel_of_column.push_back(static_cast<std::uint8_t>(column / coefficients_ % channels));
+    return field;
+  }
+
+  void bounce(const ShadowPass& pass) {
+    const auto start = Clock::now();
+    traceBacks(pass);
+    const FormFactors factors = formFactors();
+    std::vector<std::uint8_t> channel_of_column;
+    TransferField field = directField(channel_of_column);
+    result_.interreflection =
+        solveInterreflection(factors, albedo_, channel_of_column, fill_, options_.interreflection, field);
+
+    const std::size_t width = result_.channels * coefficients_;
+    result_.vectors.resize(vertex_count_ * width);
+    if (sphere()) result_.near_vectors.resize(vertex_count_ * width);
+    for (std::size_t v = 0; v < vertex_count_; ++v) {
+      const auto row = field.row(v);
+      std::copy_n(row.begin(), width, &result_.vectors[v * width]);
+      if (sphere()) std::copy_n(row.begin() + width, width, &result_.near_vectors[v * width]);
+    }
+    // From here on the field is exit radiance, for the matrices.
+    for (std::size_t p = 0; p < field.pointCount(); ++p)
+      for (std::size_t c = 0; c < field.columns; ++c) field.row(p)[c] *= albedo_[p][channel_of_column[c]];
+    exit_ = std::move(field);
+    result_.interreflection_s = secondsSince(start);
+  }
+
+  void finishVectors() {
+    const std::size_t width = result_.channels * coefficients_;
+    result_.vectors.resize(vertex_count_ * width);
+    result_.visibility.resize(vertex_count_ * visibilitySize());
+    fill_.apply(result_.vectors, width);
+    if (sphere()) fill_.apply(result_.near_vectors, width);
+    if (options_.glossy != Glossy::kNone) fill_.apply(result_.visibility, visibilitySize());
+  }
+
+  void bakeMatrices(const ShadowPass& pass, const transport::RayScene& scene) {
+    const auto start = Clock::now();
+    const MatrixBaker baker(options_.row_order, options_.order);
+    const std::vector<formats::Float4> tangents = vertexTangents(mesh_);
+    const std::size_t size = matrixSize(), width = result_.channels * size;
+    result_.matrices.resize(vertex_count_ * width);
+    points_.resize(vertex_count_);
+    const auto channel = [&](std::size_t v, int c) {
+      return std::span(result_.matrices).subspan(v * width + c * size, size);
+    };
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertex_count_, kPointsPerTask),
+                      [&](const auto& range) {
+                        std::optional<ShadowPass::Workspace> work;
+                        if (exit_) work.emplace(pass);
+                        for (std::size_t v = range.begin(); v < range.end(); ++v) {
+                          for (int c = 0; c < result_.channels; ++c)
+                            baker.fromVisibility(
+                                std::span(result_.visibility).subspan(v * visibilitySize(), visibilitySize()),
+                                channel(v, c));
+                          if (exit_ && !figures_[v].buried)
+                            addBouncedLight(pass, scene, points_[v], *exit_, sides_from_behind_, row_of_side_,
+                                            result_.channels, options_.row_order, options_.order, *work,
+                                            std::span(result_.matrices).subspan(v * width, width));
+                        }
+                      });
+    // Neighbours lend buried vertices what they have in the object's frame, before each turns to its own.
+    fill_.apply(result_.matrices, width);
+    turnMatrices(baker, tangents);
+    result_.visibility.clear();
+    result_.matrices_s = secondsSince(start);
+  }
+
+  void turnMatrices(const MatrixBaker& baker, std::span<const formats::Float4> tangents) {
+    tbb::parallel_for(std::size_t{0}, vertex_count_, [&](std::size_t v) {
+      const Eigen::Matrix3d local = localFromObject(mesh_.normals[v], tangents[v]);
+      for (int c = 0; c < result_.channels; ++c)
+        baker.turnRows(
+            local,
+            std::span(result_.matrices).subspan((v * result_.channels + c) * matrixSize(), matrixSize()));
+    });
+  }
+
+  void bakeUnshadowed() {
+    const std::vector<double> factors = transport::clampedCosineFactors(options_.order);
+    result_.vectors.resize(vertex_count_ * coefficients_);
+    if (options_.glossy != Glossy::kNone) unshadowedVisibility();
+    if (sphere()) result_.near_vectors.resize(vertex_count_ * coefficients_);
+    const Quadrature quadrature(options_.order, sphere() ? options_.directions : 1);
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, vertex_count_, kPointsPerTask), [&](const auto& range) {
+          Hemisphere hemisphere(quadrature.size());
+          std::vector<double> difference(coefficients_);
+          for (std::size_t v = range.begin(); v < range.end(); ++v) {
+            const std::vector<double> basis = transport::evaluateSh(options_.order, vec3(mesh_.normals[v]));
+            float* vector = &result_.vectors[v * coefficients_];
+            for (int l = 0; l < options_.order; ++l)
+              for (int i = l * l; i < (l + 1) * (l + 1); ++i)
+                vector[i] = static_cast<float>(factors[l] / std::numbers::pi * basis[i]);
+            if (!sphere()) continue;
+            hemisphere.collect(quadrature, mesh_.normals[v]);
+            nearFieldDifference(result_.sphere, vec3(mesh_.positions[v]), options_.order, quadrature,
+                                hemisphere.usedDirections(), hemisphere.usedCosines(), difference);
+            for (std::size_t i = 0; i < coefficients_; ++i)
+              result_.near_vectors[v * coefficients_ + i] = static_cast<float>(vector[i] + difference[i]);
+          }
+          progress_.advance(range.size());
+        });
+  }
+
+  void unshadowedVisibility() {
+    const std::vector<double> zonal = transport::diskLightZonal(visibilityOrder(), std::numbers::pi / 2);
+    result_.visibility.resize(vertex_count_ * visibilitySize());
+    tbb::parallel_for(std::size_t{0}, vertex_count_, [&](std::size_t v) {
+      const std::vector<double> hemisphere =
+          transport::orientZonal(zonal, vec3(mesh_.normals[v]).normalized());
+      std::copy(hemisphere.begin(), hemisphere.end(), &result_.visibility[v * visibilitySize()]);
+    });
+    if (options_.glossy == Glossy::kVisibility) return;
+    const MatrixBaker baker(options_.row_order, options_.order);
+    result_.matrices.resize(vertex_count_ * matrixSize());
+    tbb::parallel_for(std::size_t{0}, vertex_count_, [&](std::size_t v) {
+      baker.fromVisibility(std::span(result_.visibility).subspan(v * visibilitySize(), visibilitySize()),
+                           std::span(result_.matrices).subspan(v * matrixSize(), matrixSize()));
+    });
+    turnMatrices(baker, vertexTangents(mesh_));
+    result_.visibility.clear();
   }
 
   const TriangleMesh& mesh_;
-  transport::RayScene scene_;
-  Quadrature quadrature_;
-  std::vector<double> cosine_factors_;
-  float offset_;
+  const TransferOptions& options_;
+  stage::Progress& progress_;
+  std::size_t vertex_count_, coefficients_;
+  std::vector<Float3> albedo_;        // of each point
+  std::vector<SurfacePoint> points_;  // fronts of all vertices, then backs
+  std::vector<formats::Triangle> sides_from_behind_;
+  std::vector<PointFigures> figures_;
+  std::vector<std::uint32_t> row_of_side_;
+  BuriedFill fill_;
+  std::optional<TransferField> exit_;
+  Transfer result_;
 };
-
-DiffuseTransfer bakeUnshadowed(const TriangleMesh& mesh, int order, stage::Progress& progress) {
-  const int count = transport::coefficientCount(order);
-  const std::vector<double> factors = transport::clampedCosineFactors(order);
-  DiffuseTransfer result;
-  result.vectors.resize(mesh.vertexCount() * count);
-  tbb::parallel_for(std::size_t{0}, mesh.vertexCount(), [&](std::size_t vertex) {
-    const std::vector<double> basis = transport::evaluateSh(order, vec3(mesh.normals[vertex]));
-    for (int l = 0; l < order; ++l)
-      for (int i = l * l; i < (l + 1) * (l + 1); ++i)
-        result.vectors[vertex * count + i] = static_cast<float>(factors[l] / std::numbers::pi * basis[i]);
-    progress.advance();
-  });
-  return result;
-}
-
-DiffuseTransfer bakeShadowed(const TriangleMesh& mesh, const DiffuseOptions& options,
-                             stage::Progress& progress) {
-  const ShadowedBaker baker(mesh, options);
-  const std::size_t count = transport::coefficientCount(options.order);
-  DiffuseTransfer result;
-  result.vectors.resize(mesh.vertexCount() * count);
-  std::vector<VertexFigures> figures(mesh.vertexCount());
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, mesh.vertexCount(), kVerticesPerTask), [&](const auto& range) {
-        Workspace work(baker.directionCount());
-        for (std::size_t vertex = range.begin(); vertex < range.end(); ++vertex)
-          figures[vertex] =
-              baker.bake(vertex, std::span(result.vectors).subspan(vertex * count, count), work);
-        progress.advance(range.size());
-      });
-  std::vector<std::uint8_t> buried;
-  for (const VertexFigures& vertex : figures) {
-    buried.push_back(vertex.buried ? 1 : 0);
-    result.buried_vertices += vertex.buried ? 1 : 0;
-    result.rays += vertex.rays;
-    result.blocked_rays += vertex.blocked;
-    result.fully_blocked_vertices += vertex.rays > 0 && vertex.blocked == vertex.rays ? 1 : 0;
-    result.quadrature_error = std::max<double>(result.quadrature_error, vertex.quadrature_error);
-  }
-  if (result.buried_vertices > 0) result.filled_vertices = fillBuried(mesh, buried, result.vectors, count);
-  return result;
-}
 
 }  // namespace
 
-DiffuseTransfer bakeDiffuse(const TriangleMesh& mesh, const DiffuseOptions& options,
-                            stage::Progress& progress) {
-  return options.visibility == Visibility::kUnshadowed ? bakeUnshadowed(mesh, options.order, progress)
-                                                       : bakeShadowed(mesh, options, progress);
+Transfer bakeTransfer(const TriangleMesh& mesh, std::span<const Float3> albedo,
+                      const TransferOptions& options, stage::Progress& progress) {
+  return Baker(mesh, albedo, options, progress).bake();
 }
 
 }  // namespace bakelight::transfer

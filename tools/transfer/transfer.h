@@ -1,35 +1,64 @@
-// Radiance self-transfer at the vertices of a mesh (Sloan, Kautz & Snyder 2002, sections 4 and 5).
+// Radiance self-transfer at the vertices of a mesh (Sloan, Kautz & Snyder 2002, sections 4 and 5; Fujita &
+// Kanai 2004, section 3).
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "formats/triangle_mesh.h"
 #include "tools/stage/progress.h"
+#include "tools/transfer/interreflection.h"
+#include "tools/transfer/near_field.h"
 
 namespace bakelight::transfer {
 
-enum class Visibility {
-  kUnshadowed,  // closed form A_l y_lm(n)/π; no rays
-  kShadowed     // other parts of the mesh block light
+enum class Transport {
+  kUnshadowed,     // closed forms; no rays
+  kShadowed,       // other parts of the mesh block light
+  kInterreflected  // and send it on, diffusely
 };
 
-struct DiffuseOptions {
-  int order = 5;          // SH bands, 1–10
+enum class Glossy {
+  kNone,
+  kVisibility,  // visibility vectors of order row_order + order − 1; not with interreflection
+  kMatrices
+};
+
+struct TransferOptions {
+  int order = 5;          // SH bands of the light, 1–10
   int directions = 4096;  // over the whole sphere; each vertex traces the half above its tangent plane
-  Visibility visibility = Visibility::kShadowed;
+  Transport transport = Transport::kShadowed;
   // Distance by which rays start off the surface, as a share of the bounding sphere's radius. At least a few
   // roundings of the coordinates are kept whatever it says.
   double bias = 1e-4;
+
+  InterreflectionOptions interreflection = {};
+  Glossy glossy = Glossy::kNone;
+  int row_order = 5;  // SH bands of transferred radiance, 1–10
+  // > 0: near-field vectors too, for a virtual sphere of so many radii of the bounding sphere, around its
+  // centre. More than 1.
+  double sphere_radius = 0;
 };
 
-struct DiffuseTransfer {
-  // n vertices × order², row-major: exit radiance of a white Lambertian surface per unit light coefficient,
-  //   T_i = 1/π ∫ V(s) max(n·s, 0) y_i(s) ds.
-  std::vector<float> vectors;
+struct Transfer {
+  int channels = 1;  // 3 if coloured surfaces interreflect
 
-  std::uint64_t rays = 0, blocked_rays = 0;
-  // See no light at all: inside a closed cavity, or buried.
+  // n vertices × channels × order², row-major: exit radiance of a white Lambertian surface per unit light
+  // coefficient,
+  //   T_i = 1/π ∫ V(s) max(n·s, 0) y_i(s) ds + what other parts of the surface, of the given albedo, send on.
+  std::vector<float> vectors;
+  // The same for light on the virtual sphere (near_field.h).
+  std::vector<float> near_vectors;
+  VirtualSphere sphere;
+
+  // Glossy only. Local frames (surface_points.h), and visibility n × (row_order + order − 1)² in the object's
+  // frame or matrices n × channels × row_order² × order² (matrices.h).
+  std::vector<formats::Float4> tangents;
+  std::vector<float> visibility, matrices;
+
+  std::uint64_t rays = 0, blocked_rays = 0;  // of the shadow pass at the vertices' fronts
+  // See no light directly: inside a closed cavity, or buried.
   std::uint64_t fully_blocked_vertices = 0;
   // Inside another part of the mesh (buried.h), and how many of them took over their neighbours' transfer.
   std::uint64_t buried_vertices = 0, filled_vertices = 0;
@@ -37,15 +66,24 @@ struct DiffuseTransfer {
   // far the given number of directions is from resolving the basis. The control variate takes this error out
   // of what is not blocked.
   double quadrature_error = 0;
+
+  InterreflectionReport interreflection;
+  std::uint64_t back_points = 0;   // back sides of vertices whose bounced light was needed
+  std::uint64_t inside_hits = 0;   // rays that met the inside of a closed part: dark
+  std::uint64_t form_factors = 0;  // non-zeros
+  double shadow_s = 0, interreflection_s = 0, matrices_s = 0;  // wall-clock seconds by step
 };
 
-// The mesh has unit normals. The quadrature is a fixed set of directions with the unshadowed closed form as a
+// The mesh has unit normals; `albedo` is empty (white), one colour for all, or one a vertex, 0–1, and counts
+// for interreflection only. The quadrature is a fixed set of directions with the unshadowed closed form as a
 // control variate:
 //   T = v A + (1 − v) Q[c y] − Q[blocked c y],  v = the cosine-weighted visible share,
 // so a vertex that sees no blocker is exact to rounding, as is one that sees no light. Deterministic whatever
 // the threads. Cost: vertices × directions / 2 rays, and as many rows of order² multiply-adds where something
-// blocks. `progress` advances by one per vertex.
-DiffuseTransfer bakeDiffuse(const formats::TriangleMesh& mesh, const DiffuseOptions& options,
-                            stage::Progress& progress);
+// blocks; interreflection records nearest hits instead and then costs its passes; matrices with
+// interreflection trace once more. `progress` advances by one per vertex. Throws std::invalid_argument for
+// options that exclude each other.
+Transfer bakeTransfer(const formats::TriangleMesh& mesh, std::span<const formats::Float3> albedo,
+                      const TransferOptions& options, stage::Progress& progress);
 
 }  // namespace bakelight::transfer

@@ -8,6 +8,101 @@
 
 namespace bakelight::transfer {
 
+using formats::ElementType;
+using formats::Float3;
+using formats::Tensor;
+
+namespace {
+
+std::uint64_t squared(int order) {
+  return static_cast<std::uint64_t>(transport::coefficientCount(order));
+}
+
+Tensor floatTensor(std::vector<std::uint64_t> shape, std::span<const float> values) {
+  return Tensor::from<float>(ElementType::kFloat32, std::move(shape), values);
+}
+
+template <std::size_t kSize>
+Tensor rowTensor(std::span<const std::array<float, kSize>> rows) {
+  return floatTensor({rows.size(), kSize},
+                     {rows.empty() ? nullptr : rows.front().data(), kSize * rows.size()});
+}
+
+void addGlossy(const TransferSettings& settings, const Transfer& baked,
+               const std::optional<transport::Cpca>& cpca, std::uint64_t vertices,
+               formats::TensorFile& file) {
+  const auto channels = static_cast<std::uint64_t>(baked.channels);
+  const std::uint64_t rows = squared(settings.options.row_order), columns = squared(settings.options.order);
+  file.metadata["row_order"] = std::to_string(settings.options.row_order);
+  file.metadata["storage"] = settings.storage;
+  file.tensors["tangent"] = rowTensor<4>(baked.tangents);
+  if (cpca) {
+    const auto components = static_cast<std::uint64_t>(cpca->components);
+    file.tensors["weights"] = floatTensor({vertices, components}, cpca->weights);
+    file.tensors["cluster"] = Tensor::from<std::uint32_t>(ElementType::kUint32, {vertices}, cpca->clusters);
+    file.tensors["basis"] =
+        floatTensor({cpca->cluster_count, 1 + components, channels, rows, columns}, cpca->basis);
+  } else if (settings.storage == "visibility") {
+    file.tensors["visibility"] = floatTensor(
+        {vertices, squared(settings.options.row_order + settings.options.order - 1)}, baked.visibility);
+  } else {
+    file.tensors["matrix"] = floatTensor({vertices, channels, rows, columns}, baked.matrices);
+  }
+}
+
+}  // namespace
+
+void declare(stage::Tool& tool, TransferSettings& settings) {
+  TransferOptions& options = settings.options;
+  tool.parameter("technique", settings.technique, {"diffuse", "glossy"},
+                 "Transfer vectors only, or transfer matrices too, for glossy reflection at run time")
+      .parameter("transport", settings.transport, {"unshadowed", "shadowed", "interreflected"},
+                 "Whether the object shadows itself and light bounces between its parts; unshadowed is exact "
+                 "for convex objects and needs no rays")
+      .parameter("order", options.order, {1, 10}, "SH bands",
+                 "Order of the light that the object will be shown in")
+      .parameter("row_order", options.row_order, {1, 10}, "SH bands",
+                 "Glossy: order of the transferred radiance that lobes reflect")
+      .parameter(
+          "storage", settings.storage, {"matrix", "visibility", "cpca"},
+          "Glossy: full matrices, visibility vectors (smallest; not with interreflection), or clustered "
+          "principal components")
+      .parameter("clusters", settings.cpca.clusters, {1, 65536}, "", "cpca: clusters of vertices, at most")
+      .parameter("components", settings.cpca.components, {1, 64}, "", "cpca: weights a vertex")
+      .parameter("directions", options.directions, {64, 1048576}, "directions over the sphere",
+                 "Rays for shadows; each vertex traces the half above its tangent plane")
+      .parameter(
+          "albedo", settings.albedo, {0, 1}, "",
+          "Interreflected: diffuse reflectance, linear red, green and blue, where no vertex_albedo is given")
+      .parameter("threshold", options.interreflection.threshold, {1e-6, 1}, "share of all light",
+                 "Interreflected: bounces go on until less than this can be missing")
+      .parameter("bounces", options.interreflection.bounces, {0, 1000}, "",
+                 "Interreflected: exactly so many bounces; 0 goes by the threshold")
+      .parameter(
+          "near_field", settings.near_field,
+          "Vectors for light at a finite distance, on a virtual sphere, beside those for distant light")
+      .parameter("sphere_radius", settings.sphere_radius, {1.01, 1000}, "radii of the bounding sphere",
+                 "Near field: the virtual sphere, around the object's centre")
+      .parameter("bias", options.bias, {0, 0.1}, "of the bounding sphere's radius",
+                 "Distance by which rays start off the surface");
+}
+
+TransferOptions bakeOptions(const TransferSettings& settings) {
+  TransferOptions options = settings.options;
+  const bool interreflected = settings.transport == "interreflected";
+  options.transport = interreflected                       ? Transport::kInterreflected
+                      : settings.transport == "unshadowed" ? Transport::kUnshadowed
+                                                           : Transport::kShadowed;
+  options.sphere_radius = settings.near_field ? settings.sphere_radius : 0;
+  if (settings.technique == "glossy") {
+    options.glossy = settings.storage == "visibility" ? Glossy::kVisibility : Glossy::kMatrices;
+    if (interreflected && options.glossy == Glossy::kVisibility)
+      throw badInput({"", "", "/storage"}, "a visibility vector cannot hold interreflection",
+                     "\"matrix\" or \"cpca\"", "with transport \"shadowed\" it can be kept");
+  }
+  return options;
+}
+
 formats::TriangleMesh readBakeableMesh(const std::filesystem::path& path) {
   formats::TriangleMesh mesh = formats::readPly(path);
   if (mesh.vertexCount() == 0)
@@ -19,36 +114,99 @@ formats::TriangleMesh readBakeableMesh(const std::filesystem::path& path) {
   return mesh;
 }
 
-formats::TensorFile tensorFile(const formats::TriangleMesh& mesh, const DiffuseOptions& options,
-                               const std::string& visibility, const DiffuseTransfer& baked) {
-  const auto count = static_cast<std::uint64_t>(transport::coefficientCount(options.order));
+std::vector<Float3> readVertexAlbedo(const std::filesystem::path& path, const formats::TriangleMesh& mesh) {
+  if (path.empty()) return {};
+  const formats::TensorFile file = formats::readSafetensors(path);
+  const Tensor& table = file.require("albedo", ElementType::kFloat32, 2, path.string());
+  if (table.shape != std::vector<std::uint64_t>{mesh.vertexCount(), 3} ||
+      file.requireMetadata("mesh_hash", path.string()) != formats::geometryHash(mesh))
+    throw badInput({path.string(), "tensor albedo", ""}, "was made for another mesh",
+                   std::to_string(mesh.vertexCount()) + " × 3 values for the mesh given",
+                   "run the albedo tool for this mesh");
+  const auto values = table.as<float>();
+  std::vector<Float3> albedo(mesh.vertexCount());
+  for (std::size_t v = 0; v < albedo.size(); ++v)
+    for (std::size_t c = 0; c < 3; ++c) {
+      albedo[v][c] = values[3 * v + c];
+      if (!(albedo[v][c] >= 0 && albedo[v][c] <= 1))
+        throw badInput({path.string(), "tensor albedo, vertex " + std::to_string(v), ""},
+                       "is " + std::to_string(albedo[v][c]), "a reflectance of 0 to 1");
+    }
+  return albedo;
+}
+
+formats::TensorFile tensorFile(const formats::TriangleMesh& mesh, const TransferSettings& settings,
+                               std::span<const Float3> albedo, const Transfer& baked,
+                               const std::optional<transport::Cpca>& cpca) {
+  const std::uint64_t vertices = mesh.vertexCount(), count = squared(settings.options.order);
+  const auto channels = static_cast<std::uint64_t>(baked.channels);
   formats::TensorFile file;
-  file.tensors["transfer"] = formats::Tensor::from<float>(formats::ElementType::kFloat32,
-                                                          {mesh.vertexCount(), count}, baked.vectors);
-  file.metadata = {{"technique", "diffuse_vector"},
-                   {"order", std::to_string(options.order)},
-                   {"visibility", visibility},
+  file.metadata = {{"technique", settings.technique},
+                   {"order", std::to_string(settings.options.order)},
+                   {"transport", settings.transport},
                    {"basis", "real_sh_cartesian"},
-                   {"frame", "object"},
                    {"albedo", "outside"},
                    {"inverse_pi", "inside"},
                    {"mesh_hash", formats::geometryHash(mesh)}};
+  file.tensors["transfer"] = floatTensor({vertices, channels, count}, baked.vectors);
+  if (!baked.near_vectors.empty()) {
+    const transport::Vec3& center = baked.sphere.center;
+    const std::array<double, 4> sphere = {center.x(), center.y(), center.z(), baked.sphere.radius};
+    const std::vector<float> rounded(sphere.begin(), sphere.end());
+    file.tensors["near_transfer"] = floatTensor({vertices, channels, count}, baked.near_vectors);
+    file.tensors["sphere"] = floatTensor({4}, rounded);
+  }
+  if (!albedo.empty()) file.tensors["albedo"] = rowTensor<3>(albedo);
+  if (settings.technique == "glossy") addGlossy(settings, baked, cpca, vertices, file);
   return file;
 }
 
-void report(const formats::TriangleMesh& mesh, const DiffuseTransfer& baked, double bake_s, stage::Run& run) {
+namespace {
+
+void reportInterreflection(const TransferSettings& settings, const Transfer& baked, stage::Run& run) {
+  const InterreflectionReport& bounced = baked.interreflection;
+  run.stat("interreflection_passes", bounced.added_energy.size());
+  run.stat("added_energy_per_pass", bounced.added_energy);
+  run.stat("interreflection_solver", bounced.solver);
+  run.stat("interreflection_error_bound", bounced.error_bound);
+  run.stat("largest_return", bounced.largest_return);
+  run.stat("form_factors", baked.form_factors);
+  run.stat("back_points", baked.back_points);
+  run.stat("inside_hit_share",
+           baked.rays > 0 ? static_cast<double>(baked.inside_hits) / static_cast<double>(baked.rays) : 0.0);
+  run.stat("interreflection_s", baked.interreflection_s);
+  if (!bounced.converged && settings.options.interreflection.bounces == 0)
+    run.warn("interreflection did not converge: up to " + std::to_string(bounced.error_bound) +
+             " of the light may be missing; is the albedo 1 in a closed cavity?");
+  if (!bounced.converged && settings.options.interreflection.bounces > 0)
+    run.warn("up to " + std::to_string(bounced.error_bound) + " of the light is missing after " +
+             std::to_string(bounced.added_energy.size()) + " bounces; bounces 0 goes on until the threshold");
+}
+
+}  // namespace
+
+void report(const formats::TriangleMesh& mesh, const TransferSettings& settings, const Transfer& baked,
+            const std::optional<transport::Cpca>& cpca, double bake_s, stage::Run& run) {
   run.stat("vertices", mesh.vertexCount());
+  run.stat("channels", baked.channels);
   run.stat("bake_s", bake_s);
+  run.stat("shadow_s", baked.shadow_s);
   run.stat("rays", baked.rays);
-  run.stat("rays_per_s", static_cast<double>(baked.rays) / bake_s);
+  run.stat("rays_per_s", baked.shadow_s > 0 ? static_cast<double>(baked.rays) / baked.shadow_s : 0.0);
   run.stat("blocked_ray_share",
            baked.rays > 0 ? static_cast<double>(baked.blocked_rays) / static_cast<double>(baked.rays) : 0.0);
   run.stat("fully_blocked_vertices", baked.fully_blocked_vertices);
   run.stat("buried_vertices", baked.buried_vertices);
   run.stat("filled_vertices", baked.filled_vertices);
   run.stat("quadrature_error", baked.quadrature_error);
-  if (baked.rays > 0 && baked.blocked_rays == 0)
-    run.warn("nothing blocks any ray: visibility \"unshadowed\" gives the same result without rays");
+  if (settings.transport == "interreflected") reportInterreflection(settings, baked, run);
+  if (settings.technique == "glossy") run.stat("matrices_s", baked.matrices_s);
+  if (cpca) {
+    run.stat("cpca_relative_error", cpca->relative_error);
+    run.stat("cpca_clusters", cpca->cluster_count);
+  }
+  if (settings.transport != "unshadowed" && baked.rays > 0 && baked.blocked_rays == 0)
+    run.warn("nothing blocks any ray: transport \"unshadowed\" gives the same result without rays");
   if (baked.fully_blocked_vertices > mesh.vertexCount() / 2)
     run.warn("most vertices see no light at all: is the mesh closed and turned inside out?");
 }

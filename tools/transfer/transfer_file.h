@@ -1,22 +1,53 @@
-// How the transfer stage meets the disk: the mesh it accepts, the file it writes, the figures it reports.
+// How the transfer stage meets the disk: what it accepts, the file it writes, the figures it reports.
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "formats/tensors.h"
 #include "tools/stage/stage.h"
 #include "tools/transfer/transfer.h"
+#include "transport/cpca.h"
 
 namespace bakelight::transfer {
 
+// The parameters as a user gives them.
+struct TransferSettings {
+  std::string technique = "diffuse";  // or "glossy"
+  std::string transport = "shadowed";
+  std::string storage = "matrix";               // of glossy transfer; or "visibility", "cpca"
+  formats::Float3 albedo = {0.8F, 0.8F, 0.8F};  // where no albedo a vertex is given
+  bool near_field = false;
+  double sphere_radius = 2;
+  TransferOptions options;
+  transport::CpcaOptions cpca;
+};
+
+// The tool's parameters, one for each setting.
+void declare(stage::Tool& tool, TransferSettings& settings);
+
+// `settings.options` completed from the rest. Throws Error(kBadInput) at a JSON pointer for settings that
+// exclude each other.
+TransferOptions bakeOptions(const TransferSettings& settings);
+
 // Throws Error(kBadInput) if the mesh has no vertex or no normals.
 formats::TriangleMesh readBakeableMesh(const std::filesystem::path& path);
+// The albedo tool's file: one colour a vertex. An empty path gives none. Throws Error(kBadInput) if it was
+// made for another mesh.
+std::vector<formats::Float3> readVertexAlbedo(const std::filesystem::path& path,
+                                              const formats::TriangleMesh& mesh);
 
-// Tensor "transfer", F32, vertices × order², with the metadata that pack and inspect read (docs/FORMATS.md).
-formats::TensorFile tensorFile(const formats::TriangleMesh& mesh, const DiffuseOptions& options,
-                               const std::string& visibility, const DiffuseTransfer& baked);
+// The tensors and metadata that pack and inspect read (docs/FORMATS.md). `albedo` may be empty; `cpca` only
+// with that storage.
+formats::TensorFile tensorFile(const formats::TriangleMesh& mesh, const TransferSettings& settings,
+                               std::span<const formats::Float3> albedo, const Transfer& baked,
+                               const std::optional<transport::Cpca>& cpca);
 
-void report(const formats::TriangleMesh& mesh, const DiffuseTransfer& baked, double bake_s, stage::Run& run);
+// Figures of the bake into `run`, and warnings where a person should look.
+void report(const formats::TriangleMesh& mesh, const TransferSettings& settings, const Transfer& baked,
+            const std::optional<transport::Cpca>& cpca, double bake_s, stage::Run& run);
 
 }  // namespace bakelight::transfer

@@ -1,0 +1,188 @@
+// The inside of a sphere with a part removed: under a uniform sky of radiance 1 its radiosity is the same
+// everywhere,
+//   B = ρ π f / (1 − ρ (1 − f)),  f the open fraction,
+// which plain bounces reach ever more slowly as ρ (1 − f) → 1.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "tests/support/shapes.h"
+#include "tests/unit/transfer/bake.h"
+
+namespace bakelight::transfer {
+namespace {
+
+using namespace bakelight::tests;
+
+constexpr double kPi = std::numbers::pi;
+
+struct Cavity {
+  TriangleMesh mesh;
+  std::vector<double> open_fraction;  // of what each vertex sees, cosine-weighted; negative on the rim itself
+  double mean_open_fraction = 0;
+};
+
+// Lambert's formula for the polygon of the rim as seen from `point`, which all of its edges lie above: the
+// integral of the cosine over the opening, exact for the tessellated mesh.
+double lambertFraction(const TriangleMesh& mesh,
+                       const std::vector<std::pair<std::uint32_t, std::uint32_t>>& rim, const Vec3& point,
+                       const Vec3& normal) {
+  double sum = 0;
+  for (const auto& [from, to] : rim) {
+    const Vec3 a = (vec3(mesh.positions[from]) - point).normalized();
+    const Vec3 b = (vec3(mesh.positions[to]) - point).normalized();
+    const Vec3 across = a.cross(b);
+    sum += std::atan2(across.norm(), a.dot(b)) * normal.dot(across.normalized());
+  }
+  return std::abs(sum) / (2 * kPi);
+}
+
+Cavity sphericalCavity(double open_fraction, int subdivisions) {
+  Cavity cavity{insideOut(icosphere(subdivisions)), {}, 0};
+  TriangleMesh& mesh = cavity.mesh;
+  const auto height = [&](const formats::Triangle& t) {
+    return mesh.positions[t[0]][1] + mesh.positions[t[1]][1] + mesh.positions[t[2]][1];
+  };
+  std::sort(mesh.triangles.begin(), mesh.triangles.end(),
+            [&](const auto& a, const auto& b) { return std::pair(height(a), a) < std::pair(height(b), b); });
+  const auto kept =
+      static_cast<std::size_t>(std::lround((1 - open_fraction) * static_cast<double>(mesh.triangleCount())));
+  mesh.triangles.resize(kept);
+
+  // Vertices that no triangle is left at go; directed edges without an opposite make the rim.
+  std::map<std::uint32_t, std::uint32_t> renumbered;
+  TriangleMesh compact;
+  for (auto& triangle : mesh.triangles)
+    for (auto& v : triangle) {
+      const auto [it, is_new] = renumbered.try_emplace(v, static_cast<std::uint32_t>(renumbered.size()));
+      if (is_new) compact.positions.push_back(mesh.positions[v]), compact.normals.push_back(mesh.normals[v]);
+      v = it->second;
+    }
+  compact.triangles = mesh.triangles;
+  mesh = compact;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (const auto& t : mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i) ++edges[{t[i], t[(i + 1) % 3]}];
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> rim;
+  std::vector<bool> on_rim(mesh.vertexCount(), false);
+  for (const auto& [edge, count] : edges)
+    if (!edges.contains({edge.second, edge.first}))
+      rim.push_back(edge), on_rim[edge.first] = on_rim[edge.second] = true;
+
+  int inner = 0;
+  for (std::size_t v = 0; v < mesh.vertexCount(); ++v) {
+    cavity.open_fraction.push_back(
+        on_rim[v] ? -1 : lambertFraction(mesh, rim, vec3(mesh.positions[v]), vec3(mesh.normals[v])));
+    if (on_rim[v]) continue;
+    cavity.mean_open_fraction += cavity.open_fraction[v];
+    ++inner;
+  }
+  cavity.mean_open_fraction /= inner;
+  return cavity;
+}
+
+// B of a vertex from its baked vector, under a uniform sky of 1.
+double radiosity(const Transfer& baked, int order, std::size_t vertex, double albedo) {
+  return albedo * kPi * baked.vectors[vertex * static_cast<std::size_t>(order) * order] * std::sqrt(4 * kPi);
+}
+
+struct CavityCase {
+  double open_fraction, albedo;
+};
+
+class SphericalCavity : public testing::TestWithParam<CavityCase> {};
+
+TEST_P(SphericalCavity, RadiosityIsTheClosedForm) {
+  const auto [nominal_fraction, albedo] = GetParam();
+  const Cavity cavity = sphericalCavity(nominal_fraction, 3);
+  const double f = cavity.mean_open_fraction;
+  ASSERT_NEAR(f, nominal_fraction, 0.15 * nominal_fraction);  // the mesh is the intended one
+
+  const int order = 1;
+  const std::vector<Float3> albedos = {
+      Float3{static_cast<float>(albedo), static_cast<float>(albedo), static_cast<float>(albedo)}};
+  const Transfer baked = bake(cavity.mesh,
+                              {.order = order,
+                               .directions = nominal_fraction > 0.1 ? 8192 : 65536,
+                               .transport = Transport::kInterreflected},
+                              albedos);
+
+  const double expected = albedo * kPi * f / (1 - albedo * (1 - f));
+  double mean = 0, squares = 0;
+  int compared = 0;
+  for (std::size_t v = 0; v < cavity.mesh.vertexCount(); ++v) {
+    if (cavity.open_fraction[v] < 0) continue;
+    const double ratio = radiosity(baked, order, v, albedo) / expected;
+    mean += ratio, squares += (ratio - 1) * (ratio - 1);
+    ++compared;
+  }
+  ASSERT_GT(compared, 400);
+  mean /= compared;
+  const double rms = std::sqrt(squares / compared);
+  RecordProperty("passes", static_cast<int>(baked.interreflection.added_energy.size()));
+  RecordProperty("solver", baked.interreflection.solver);
+  std::printf(
+      "f %.5f (nominal %.2f) albedo %.3f: mean error %+.4f%%, rms %.4f%%; %zu passes, %s, bound %.1e\n", f,
+      nominal_fraction, albedo, 100 * (mean - 1), 100 * rms, baked.interreflection.added_energy.size(),
+      baked.interreflection.solver.c_str(), baked.interreflection.error_bound);
+  EXPECT_NEAR(mean, 1, 0.01);
+  EXPECT_LT(rms, 0.01);
+  EXPECT_TRUE(baked.interreflection.converged);
+  EXPECT_LE(baked.interreflection.added_energy.size(), 40u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Fractions, SphericalCavity,
+                         testing::Values(CavityCase{0.25, 0.5}, CavityCase{0.25, 0.9}, CavityCase{0.25, 0.99},
+                                         CavityCase{0.25, 0.999}, CavityCase{0.01, 0.5},
+                                         CavityCase{0.01, 0.9}, CavityCase{0.01, 0.99},
+                                         CavityCase{0.01, 0.999}));
+
+// The accelerated solve and a thousand and a half plain bounces agree.
+TEST(Cavity, AcceleratedSolveEqualsManyBounces) {
+  const Cavity cavity = sphericalCavity(0.01, 3);
+  const std::vector<Float3> albedo = {{0.999f, 0.9f, 0.5f}};
+  TransferOptions options{.order = 3, .directions = 4096, .transport = Transport::kInterreflected};
+  options.interreflection.threshold = 1e-5;
+  const Transfer fast = bake(cavity.mesh, options, albedo);
+  options.interreflection.bounces = 1500;
+  const Transfer slow = bake(cavity.mesh, options, albedo);
+  EXPECT_EQ(fast.interreflection.solver, "gmres");
+  EXPECT_EQ(slow.interreflection.solver, "passes");
+  EXPECT_LT(fast.interreflection.added_energy.size(), 40u);
+  ASSERT_EQ(slow.interreflection.added_energy.size(), 1500u);
+  ASSERT_EQ(fast.vectors.size(), slow.vectors.size());
+  double difference = 0, size = 0;
+  for (std::size_t i = 0; i < fast.vectors.size(); ++i) {
+    difference += std::pow(fast.vectors[i] - slow.vectors[i], 2);
+    size += std::pow(slow.vectors[i], 2);
+  }
+  EXPECT_LT(std::sqrt(difference / size), 1e-4);
+}
+
+// Few bounces in a bright cavity are not passed over in silence.
+TEST(Cavity, TruncationIsReported) {
+  const Cavity cavity = sphericalCavity(0.01, 2);
+  const std::vector<Float3> albedo = {{0.99f, 0.99f, 0.99f}};
+  TransferOptions options{.order = 1, .directions = 4096, .transport = Transport::kInterreflected};
+  options.interreflection.bounces = 3;
+  const Transfer baked = bake(cavity.mesh, options, albedo);
+  EXPECT_EQ(baked.interreflection.added_energy.size(), 3u);
+  EXPECT_FALSE(baked.interreflection.converged);
+  EXPECT_GT(baked.interreflection.error_bound, 0.5);
+}
+
+TEST(Cavity, ClosedIsDarkWhateverItsAlbedo) {
+  const TriangleMesh closed = insideOut(icosphere(3));
+  for (const float albedo : {0.5f, 0.99f, 1.0f}) {
+    const std::vector<Float3> albedos = {{albedo, albedo, albedo}};
+    const Transfer baked =
+        bake(closed, {.order = 3, .directions = 1024, .transport = Transport::kInterreflected}, albedos);
+    EXPECT_TRUE(baked.interreflection.converged);
+    for (const float value : baked.vectors) ASSERT_EQ(value, 0);
+  }
+}
+
+}  // namespace
+}  // namespace bakelight::transfer

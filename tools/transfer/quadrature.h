@@ -1,0 +1,62 @@
+// The directions that every point of a bake shares, with the basis tabulated, and the sums over them.
+//
+// The kernels are compiled for several instruction sets. They never sum across lanes and never fuse a
+// multiplication with an addition, so each of them gives the same bits.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "transport/ray_scene.h"
+
+namespace bakelight::transfer {
+
+using formats::Float3;
+
+// sums[i] += Σ_k weights[k] · table[chosen[k] · row_size + i] for i < row_size, which is a multiple of kTile.
+// Float sums of 128 rows go into doubles, so that the error does not grow with the number of rows.
+inline constexpr std::size_t kTile = 32;
+constexpr std::size_t paddedToTiles(std::size_t count) {
+  return (count + kTile - 1) / kTile * kTile;
+}
+void accumulateRows(const float* table, std::size_t row_size, std::span<const std::uint32_t> chosen,
+                    std::span<const float> weights, std::span<double> sums);
+
+// One fixed set of directions of equal weight over the sphere.
+class Quadrature {
+ public:
+  Quadrature(int order, int count);
+
+  std::size_t size() const { return directions_.size(); }
+  double weight() const { return weight_; }          // 4π / count, steradians
+  std::size_t rowSize() const { return row_size_; }  // order² in whole tiles; zeros behind
+  const transport::RayBundle& directions() const { return directions_; }
+  const float* row(std::uint32_t direction) const { return &basis_[direction * row_size_]; }
+
+  // Σ over the chosen directions of weight · basis. Only the tiles that hold the first `coefficients` are
+  // summed.
+  void accumulate(std::span<const std::uint32_t> chosen, std::span<const float> weights,
+                  std::size_t coefficients, std::span<double> sums) const;
+
+ private:
+  std::size_t row_size_;
+  transport::RayBundle directions_;
+  std::vector<float> basis_;
+  double weight_;
+};
+
+// The directions above a tangent plane, compacted.
+struct Hemisphere {
+  transport::RayBundle rays;
+  std::vector<std::uint32_t> directions;
+  std::vector<float> cosines;
+  std::size_t count = 0;  // the arrays hold that many; they are larger
+
+  explicit Hemisphere(std::size_t size) : rays(size), directions(size), cosines(size) {}
+  void collect(const Quadrature& quadrature, const Float3& normal);
+  std::span<const std::uint32_t> usedDirections() const { return std::span(directions).first(count); }
+  std::span<const float> usedCosines() const { return std::span(cosines).first(count); }
+};
+
+}  // namespace bakelight::transfer

@@ -1,0 +1,164 @@
+#include "tools/transfer/shadow_pass.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "tools/transfer/buried.h"
+#include "transport/sh.h"
+
+namespace bakelight::transfer {
+
+using transport::Vec3;
+using transport::vec3;
+
+ShadowPass::Workspace::Workspace(const ShadowPass& pass)
+    : hemisphere(pass.quadrature().size()),
+      hits(pass.quadrature().size()),
+      ones(pass.quadrature().size(), 1.0f),
+      all_sums(pass.quadrature().rowSize()),
+      blocked_sums(pass.quadrature().rowSize()),
+      seen_weights(2 * pass.mesh().vertexCount(), 0.0f) {}
+
+ShadowPass::ShadowPass(const formats::TriangleMesh& mesh, const transport::RayScene& scene,
+                       const ShadowOptions& options, int directions)
+    : mesh_(mesh),
+      scene_(scene),
+      options_(options),
+      quadrature_(std::max(options.order, options.visibility_order), directions),
+      cosine_factors_(transport::clampedCosineFactors(options.order)) {
+  if (options.visibility_order > 0)
+    hemisphere_zonal_ = transport::diskLightZonal(options.visibility_order, std::numbers::pi / 2);
+}
+
+PointFigures ShadowPass::trace(const SurfacePoint& point,
+                               std::span<const formats::Triangle> sides_from_behind,
+                               const PointTransfer& result, Workspace& work) const {
+  Hemisphere& hemisphere = work.hemisphere;
+  hemisphere.collect(quadrature_, point.normal);
+  if (options_.record_hits)
+    scene_.nearestHits(point.origin, hemisphere.rays, 0, hemisphere.count, work.hits);
+  else
+    scene_.occluded(point.origin, hemisphere.rays, 0, std::span(work.hits.blocked).first(hemisphere.count));
+
+  work.blocked_directions.clear(), work.blocked_cosines.clear();
+  work.visible_directions.clear(), work.visible_cosines.clear();
+  for (std::size_t k = 0; k < hemisphere.count; ++k) {
+    const bool blocked = work.hits.blocked[k] != 0;
+    (blocked ? work.blocked_directions : work.visible_directions).push_back(hemisphere.directions[k]);
+    (blocked ? work.blocked_cosines : work.visible_cosines).push_back(hemisphere.cosines[k]);
+  }
+
+  PointFigures figures;
+  figures.rays = static_cast<std::uint32_t>(hemisphere.count);
+  figures.blocked = static_cast<std::uint32_t>(work.blocked_directions.size());
+  combine(point, result, work, figures);
+  figures.buried =
+      figures.rays > 0 && figures.blocked == figures.rays && isBuried(scene_, point.origin, point.normal);
+  if (options_.record_hits && !figures.buried) figures.seen = collectSeen(sides_from_behind, work, figures);
+  return figures;
+}
+
+// Puts closed form and quadrature together.
+void ShadowPass::combine(const SurfacePoint& point, const PointTransfer& result, Workspace& work,
+                         PointFigures& figures) const {
+  const std::size_t count = transport::coefficientCount(options_.order);
+  std::array<double, transport::coefficientCount(transport::kMaxOrder)> exact, difference;
+  transport::evaluateSh(options_.order, vec3(point.normal), std::span(exact).first(count));
+  for (int l = 0; l < options_.order; ++l)
+    for (int i = l * l; i < (l + 1) * (l + 1); ++i) exact[i] *= cosine_factors_[l] / std::numbers::pi;
+
+  if (work.blocked_directions.empty()) {
+    std::copy_n(exact.begin(), count, result.vector.begin());
+  } else {
+    std::fill(work.all_sums.begin(), work.all_sums.end(), 0.0);
+    std::fill(work.blocked_sums.begin(), work.blocked_sums.end(), 0.0);
+    quadrature_.accumulate(work.hemisphere.usedDirections(), work.hemisphere.usedCosines(), count,
+                           work.all_sums);
+    quadrature_.accumulate(work.blocked_directions, work.blocked_cosines, count, work.blocked_sums);
+    const bool sees_light = !work.visible_directions.empty();
+    // Coefficient 0 is constant, so its sums are the cosine-weighted counts.
+    const double visible = sees_light ? 1 - work.blocked_sums[0] / work.all_sums[0] : 0;
+    const double weight = quadrature_.weight() / std::numbers::pi;
+    double error = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double all = weight * work.all_sums[i], blocked = weight * work.blocked_sums[i];
+      result.vector[i] =
+          sees_light ? static_cast<float>(visible * exact[i] + (1 - visible) * all - blocked) : 0.0f;
+      error = std::max(error, std::abs(all - exact[i]));
+    }
+    figures.quadrature_error = static_cast<float>(error);
+  }
+  if (options_.sphere) {
+    nearFieldDifference(*options_.sphere, vec3(point.origin), options_.order, quadrature_,
+                        work.visible_directions, work.visible_cosines, std::span(difference).first(count));
+    for (std::size_t i = 0; i < count; ++i)
+      result.near_vector[i] = static_cast<float>(result.vector[i] + difference[i]);
+  }
+  if (options_.visibility_order > 0) combineVisibility(point, result.visibility, work);
+}
+
+// The same for the visibility itself: the hemisphere in place of the clamped cosine.
+void ShadowPass::combineVisibility(const SurfacePoint& point, std::span<float> visibility,
+                                   Workspace& work) const {
+  const std::vector<double> exact = transport::orientZonal(hemisphere_zonal_, vec3(point.normal));
+  if (work.blocked_directions.empty()) {
+    std::copy(exact.begin(), exact.end(), visibility.begin());
+    return;
+  }
+  if (work.visible_directions.empty()) {
+    std::fill(visibility.begin(), visibility.end(), 0.0f);
+    return;
+  }
+  std::fill(work.all_sums.begin(), work.all_sums.end(), 0.0);
+  std::fill(work.blocked_sums.begin(), work.blocked_sums.end(), 0.0);
+  quadrature_.accumulate(work.hemisphere.usedDirections(), std::span(work.ones).first(work.hemisphere.count),
+                         exact.size(), work.all_sums);
+  quadrature_.accumulate(work.blocked_directions, std::span(work.ones).first(work.blocked_directions.size()),
+                         exact.size(), work.blocked_sums);
+  const double visible = 1 - work.blocked_sums[0] / work.all_sums[0];
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    const double all = quadrature_.weight() * work.all_sums[i];
+    const double blocked = quadrature_.weight() * work.blocked_sums[i];
+    visibility[i] = static_cast<float>(visible * exact[i] + (1 - visible) * all - blocked);
+  }
+}
+
+// Cosine-weighted shares of the hemisphere, normalised over the directions that were traced: blocked and
+// visible share add up to one, so no light is made or lost however often it bounces.
+std::vector<SeenVertex> ShadowPass::collectSeen(std::span<const formats::Triangle> sides_from_behind,
+                                                Workspace& work, PointFigures& figures) const {
+  double cosine_sum = 0;
+  for (const float cosine : work.hemisphere.usedCosines()) cosine_sum += cosine;
+  const auto scale = static_cast<float>(1 / cosine_sum);
+  work.seen_sides.clear();
+  for (std::size_t k = 0; k < work.hemisphere.count; ++k) {
+    if (work.hits.blocked[k] == 0) continue;
+    const std::uint32_t triangle = work.hits.triangle[k];
+    const formats::Triangle& corners =
+        work.hits.back_face[k] != 0 ? sides_from_behind[triangle] : mesh_.triangles[triangle];
+    if (corners[0] == kDarkSide) {
+      ++figures.inside_hits;
+      continue;
+    }
+    const float weight = work.hemisphere.cosines[k] * scale, u = work.hits.u[k], v = work.hits.v[k];
+    const std::array<float, 3> shares = {std::max(1 - u - v, 0.0f), u, v};
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const std::uint32_t side = corners[corner];
+      if (work.seen_weights[side] == 0) work.seen_sides.push_back(side);
+      // Never back to zero, so that no side is listed twice.
+      work.seen_weights[side] += std::max(weight * shares[corner], 1e-30f);
+    }
+  }
+  std::sort(work.seen_sides.begin(), work.seen_sides.end());
+  std::vector<SeenVertex> seen;
+  seen.reserve(work.seen_sides.size());
+  for (const std::uint32_t side : work.seen_sides) {
+    seen.push_back({side, work.seen_weights[side]});
+    work.seen_weights[side] = 0;
+  }
+  return seen;
+}
+
+}  // namespace bakelight::transfer

@@ -1,0 +1,83 @@
+// The first pass: what reaches each point directly, past the object's own shadows, and what blocks the rest.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "formats/triangle_mesh.h"
+#include "tools/transfer/near_field.h"
+#include "tools/transfer/quadrature.h"
+#include "tools/transfer/surface_points.h"
+#include "transport/ray_scene.h"
+
+namespace bakelight::transfer {
+
+struct ShadowOptions {
+  int order = 5;
+  int visibility_order = 0;             // > 0: also visibility vectors of that order
+  std::optional<VirtualSphere> sphere;  // also near-field vectors
+  bool record_hits = false;             // also what the blocked rays hit, for interreflection
+};
+
+// Weight that falls to one vertex of what a point sees. The back side of vertex v is v + vertex count.
+struct SeenVertex {
+  std::uint32_t side;
+  float weight;
+};
+
+// What the pass finds out about a point; spans are filled where the options ask for them.
+struct PointFigures {
+  std::uint32_t rays = 0, blocked = 0, inside_hits = 0;
+  float quadrature_error = 0;
+  bool buried = false;
+  std::vector<SeenVertex> seen;  // sorted by side; the weights add up to the blocked share
+};
+struct PointTransfer {
+  std::span<float> vector, near_vector, visibility;
+};
+
+class ShadowPass {
+ public:
+  struct Workspace;
+
+  ShadowPass(const formats::TriangleMesh& mesh, const transport::RayScene& scene,
+             const ShadowOptions& options, int directions);
+
+  // The control variate is that of transfer.h; `sides_from_behind` (surface_points.h) tells whose back sides
+  // count: those of closed components are inside and dark. Reentrant with a workspace a thread.
+  PointFigures trace(const SurfacePoint& point, std::span<const formats::Triangle> sides_from_behind,
+                     const PointTransfer& result, Workspace& work) const;
+
+  const Quadrature& quadrature() const { return quadrature_; }
+  const formats::TriangleMesh& mesh() const { return mesh_; }
+
+ private:
+  void combine(const SurfacePoint& point, const PointTransfer& result, Workspace& work,
+               PointFigures& figures) const;
+  void combineVisibility(const SurfacePoint& point, std::span<float> visibility, Workspace& work) const;
+  std::vector<SeenVertex> collectSeen(std::span<const formats::Triangle> sides_from_behind, Workspace& work,
+                                      PointFigures& figures) const;
+
+  const formats::TriangleMesh& mesh_;
+  const transport::RayScene& scene_;
+  ShadowOptions options_;
+  Quadrature quadrature_;
+  std::vector<double> cosine_factors_, hemisphere_zonal_;
+};
+
+// What one thread reuses from point to point.
+struct ShadowPass::Workspace {
+  explicit Workspace(const ShadowPass& pass);
+
+  Hemisphere hemisphere;
+  transport::HitBundle hits;
+  std::vector<std::uint32_t> blocked_directions, visible_directions;
+  std::vector<float> blocked_cosines, visible_cosines, ones;
+  std::vector<double> all_sums, blocked_sums;
+  std::vector<float> seen_weights;  // a side; zero between points
+  std::vector<std::uint32_t> seen_sides;
+};
+
+}  // namespace bakelight::transfer

@@ -1,0 +1,194 @@
+#include "tools/transfer/surface_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <span>
+
+#include "transport/camera.h"
+
+namespace bakelight::transfer {
+
+using formats::Float4;
+using formats::Triangle;
+using formats::TriangleMesh;
+using transport::float3;
+using transport::Vec3;
+using transport::vec3;
+
+namespace {
+
+// For each vertex the first one at the same place.
+std::vector<std::uint32_t> places(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> order(mesh.vertexCount()), place(mesh.vertexCount());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return mesh.positions[a] != mesh.positions[b] ? mesh.positions[a] < mesh.positions[b] : a < b;
+  });
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const bool same = i > 0 && mesh.positions[order[i]] == mesh.positions[order[i - 1]];
+    place[order[i]] = same ? place[order[i - 1]] : order[i];
+  }
+  return place;
+}
+
+std::vector<std::uint8_t> onCrease(const TriangleMesh& mesh) {
+  const std::vector<std::uint32_t> place = places(mesh);
+  std::vector<std::uint8_t> crease_place(mesh.vertexCount(), 0), crease(mesh.vertexCount(), 0);
+  for (std::size_t v = 0; v < place.size(); ++v)
+    if (mesh.normals[v] != mesh.normals[place[v]]) crease_place[place[v]] = 1;
+  for (std::size_t v = 0; v < place.size(); ++v) crease[v] = crease_place[place[v]];
+  return crease;
+}
+
+// Mean of the centroids of the triangles at each vertex, from the vertex.
+std::vector<Vec3> towardsTriangles(const TriangleMesh& mesh) {
+  std::vector<Vec3> mean(mesh.vertexCount(), Vec3::Zero());
+  std::vector<int> count(mesh.vertexCount(), 0);
+  for (const auto& triangle : mesh.triangles) {
+    Vec3 centroid = Vec3::Zero();
+    for (const auto v : triangle) centroid += vec3(mesh.positions[v]) / 3;
+    for (const auto v : triangle) mean[v] += centroid - vec3(mesh.positions[v]), ++count[v];
+  }
+  for (std::size_t v = 0; v < mean.size(); ++v)
+    if (count[v] > 0) mean[v] /= count[v];
+  return mean;
+}
+
+}  // namespace
+
+float surfaceOffset(const TriangleMesh& mesh, double bias) {
+  const transport::BoundingSphere bounds = transport::boundingSphere(mesh);
+  const double farthest_coordinate = bounds.center.cwiseAbs().maxCoeff() + bounds.radius;
+  return static_cast<float>(
+      std::max(bias * bounds.radius, 4 * std::numeric_limits<float>::epsilon() * farthest_coordinate));
+}
+
+std::vector<SurfacePoint> frontPoints(const TriangleMesh& mesh, double bias) {
+  const float offset = surfaceOffset(mesh, bias);
+  const std::vector<std::uint8_t> crease = onCrease(mesh);
+  const std::vector<Vec3> inward = towardsTriangles(mesh);
+  std::vector<SurfacePoint> points(mesh.vertexCount());
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    points[v].normal = mesh.normals[v];
+    for (std::size_t c = 0; c < 3; ++c)
+      points[v].origin[c] = mesh.positions[v][c] + offset * mesh.normals[v][c];
+    const double distance = inward[v].norm();
+    if (crease[v] == 0 || distance == 0) continue;
+    const Vec3 moved = vec3(points[v].origin) + inward[v] * std::min(offset / distance, 0.25);
+    points[v].origin = float3(moved);
+  }
+  return points;
+}
+
+SurfacePoint backPoint(const TriangleMesh& mesh, const SurfacePoint& front, std::uint32_t vertex) {
+  SurfacePoint back;
+  for (std::size_t c = 0; c < 3; ++c) {
+    back.normal[c] = -front.normal[c];
+    back.origin[c] = 2 * mesh.positions[vertex][c] - front.origin[c];
+  }
+  return back;
+}
+
+namespace {
+
+// 1 for each triangle of a component with an open border.
+std::vector<std::uint8_t> openTriangles(const TriangleMesh& mesh, std::span<const std::uint32_t> place) {
+  // Components by union-find over places; an edge that one triangle uses is a border.
+  std::vector<std::uint32_t> parent(mesh.vertexCount());
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto root = [&](std::uint32_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const auto& triangle : mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t a = place[triangle[i]], b = place[triangle[(i + 1) % 3]];
+      if (a == b) continue;
+      edges.emplace_back(std::min(a, b), std::max(a, b));
+      parent[root(a)] = root(b);
+    }
+  std::sort(edges.begin(), edges.end());
+  std::vector<std::uint8_t> open_root(mesh.vertexCount(), 0);
+  for (std::size_t first = 0; first < edges.size();) {
+    std::size_t end = first;
+    while (end < edges.size() && edges[end] == edges[first]) ++end;
+    if (end - first == 1) open_root[root(edges[first].first)] = 1;
+    first = end;
+  }
+  std::vector<std::uint8_t> open;
+  open.reserve(mesh.triangleCount());
+  for (const auto& triangle : mesh.triangles) open.push_back(open_root[root(place[triangle[0]])]);
+  return open;
+}
+
+// Corners turned so that the smallest place comes first: the same for each way to write a triangle.
+struct PlacedTriangle {
+  Triangle places, corners;
+};
+PlacedTriangle placed(const Triangle& triangle, std::span<const std::uint32_t> place, bool reversed) {
+  Triangle corners = triangle;
+  if (reversed) std::swap(corners[1], corners[2]);
+  const auto smaller = [&](std::uint32_t a, std::uint32_t b) { return place[a] < place[b]; };
+  std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end(), smaller), corners.end());
+  return {{place[corners[0]], place[corners[1]], place[corners[2]]}, corners};
+}
+
+}  // namespace
+
+std::vector<Triangle> sidesFromBehind(const TriangleMesh& mesh) {
+  const std::vector<std::uint32_t> place = places(mesh);
+  const std::vector<std::uint8_t> open = openTriangles(mesh, place);
+  const auto vertex_count = static_cast<std::uint32_t>(mesh.vertexCount());
+  std::map<Triangle, Triangle> fronts;  // by places
+  for (const Triangle& triangle : mesh.triangles) {
+    const PlacedTriangle front = placed(triangle, place, false);
+    fronts.try_emplace(front.places, front.corners);
+  }
+  std::vector<Triangle> sides;
+  sides.reserve(mesh.triangleCount());
+  for (std::size_t t = 0; t < mesh.triangleCount(); ++t) {
+    const Triangle& triangle = mesh.triangles[t];
+    const auto twin = fronts.find(placed(triangle, place, true).places);
+    Triangle side = {kDarkSide, kDarkSide, kDarkSide};
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      if (twin != fronts.end()) {
+        for (const std::uint32_t v : twin->second)
+          if (place[v] == place[triangle[corner]]) side[corner] = v;
+      } else if (open[t] != 0) {
+        side[corner] = triangle[corner] + vertex_count;
+      }
+    }
+    sides.push_back(side);
+  }
+  return sides;
+}
+
+std::vector<Float4> vertexTangents(const TriangleMesh& mesh) {
+  std::vector<Float4> tangents;
+  tangents.reserve(mesh.vertexCount());
+  for (const Float3& normal : mesh.normals) {
+    const Vec3 n = vec3(normal).normalized();
+    const double sign = std::copysign(1.0, n.z()), a = -1 / (sign + n.z());
+    const Float3 t = float3(Vec3(1 + sign * n.x() * n.x() * a, sign * n.x() * n.y() * a, -sign * n.x()));
+    tangents.push_back({t[0], t[1], t[2], 1.0f});
+  }
+  return tangents;
+}
+
+Eigen::Matrix3d localFromObject(const Float3& normal, const Float4& tangent) {
+  const Vec3 n = vec3(normal).normalized();
+  // Floats are orthogonal to 1e-7 only; rotations of SH want better.
+  const Vec3 t0(tangent[0], tangent[1], tangent[2]);
+  const Vec3 t = (t0 - n * n.dot(t0)).normalized();
+  Eigen::Matrix3d local;
+  local.row(0) = t;
+  local.row(1) = tangent[3] * n.cross(t);
+  local.row(2) = n;
+  return local;
+}
+
+}  // namespace bakelight::transfer

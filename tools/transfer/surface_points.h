@@ -1,0 +1,44 @@
+// Where a bake gathers light: the front of every vertex and, on open surfaces, the back of those that bounced
+// light comes from.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "formats/triangle_mesh.h"
+#include "transport/vector_types.h"
+
+namespace bakelight::transfer {
+
+using formats::Float3;
+
+struct SurfacePoint {
+  Float3 origin;  // where its rays start
+  Float3 normal;
+};
+
+// Distance by which rays start off the surface: `bias` × the bounding sphere's radius, at least four
+// roundings of the coordinates.
+float surfaceOffset(const formats::TriangleMesh& mesh, double bias);
+
+// Point v is the front of vertex v. A vertex on a crease (a copy at the same place has another normal) is
+// also moved into its own triangles, since off the surface along its normal it would lie in the plane of the
+// next face.
+std::vector<SurfacePoint> frontPoints(const formats::TriangleMesh& mesh, double bias);
+// The back of vertex v: the same distance off the surface on the other side.
+SurfacePoint backPoint(const formats::TriangleMesh& mesh, const SurfacePoint& front, std::uint32_t vertex);
+
+// What a ray meets that hits a triangle from behind: for its three corners, in their order, the side of a
+// vertex (v its front, v + vertex count its back). Of a sheet given twice, once for each side, it is the
+// front of the other triangle; on a component with an open border the backs of the corners; in the inside of
+// a closed component it is kDarkSide. Vertices at the same place count as one, so creases are no borders.
+inline constexpr std::uint32_t kDarkSide = ~std::uint32_t{0};
+std::vector<formats::Triangle> sidesFromBehind(const formats::TriangleMesh& mesh);
+
+// Tangents of the local frames: xyz, and w = 1 (bitangent = w · normal × tangent). From the normal alone
+// (Duff et al. 2017), orthonormal to rounding.
+std::vector<formats::Float4> vertexTangents(const formats::TriangleMesh& mesh);
+// Rows t, b, n: local coordinates of a direction in the object.
+Eigen::Matrix3d localFromObject(const Float3& normal, const formats::Float4& tangent);
+
+}  // namespace bakelight::transfer
