@@ -79,8 +79,7 @@ class ObjCheck {
     std::string_view rest = std::string_view(line).substr(0, line.find('#'));
     const std::string_view keyword = takeWord(rest);
     if (keyword == "v") {
-      checkNumbers(rest, 3, "v x y z");
-      ++counts_[kVertex];
+      checkVertex(rest);
     } else if (keyword == "vt") {
       checkNumbers(rest, 1, "vt u v");
       ++counts_[kTexcoord];
@@ -92,12 +91,29 @@ class ObjCheck {
     }
   }
 
-  void checkNumbers(std::string_view rest, int least, const char* form) const {
+  // assimp drops vertices of other forms, and reads past the end of the colours if only some have one.
+  void checkVertex(std::string_view rest) {
+    const int numbers = checkNumbers(rest, 3, "v x y z");
+    if (numbers != 3 && numbers != 4 && numbers != 6) {
+      throw error(first_line_, "it has " + std::to_string(numbers) + " numbers",
+                  "v x y z, v x y z w, or v x y z r g b");
+    }
+    colored_vertices_ += numbers == 6;
+    ++counts_[kVertex];
+    if (colored_vertices_ != 0 && colored_vertices_ != counts_[kVertex]) {
+      throw error(first_line_, "some vertices have a colour and others have none",
+                  "colours at all or at none");
+    }
+  }
+
+  // Returns how many there are.
+  int checkNumbers(std::string_view rest, int least, const char* form) const {
     int count = 0;
     for (auto word = takeWord(rest); !word.empty(); word = takeWord(rest), ++count) {
       if (!isNumber(word)) throw error(first_line_, "'" + std::string(word) + "' is not a number", form);
     }
     if (count < least) throw error(first_line_, "it has " + std::to_string(count) + " numbers", form);
+    return count;
   }
 
   void checkFace(std::string_view rest) {
@@ -191,7 +207,7 @@ class ObjCheck {
   std::array<std::int64_t, 3> counts_{};
   std::array<Largest, 3> largest_{};
   std::vector<bool> used_;
-  std::int64_t used_count_ = 0;
+  std::int64_t used_count_ = 0, colored_vertices_ = 0;
 };
 
 // The numbers of an OFF file after its keyword, without comments.

@@ -11,12 +11,30 @@
 #include "formats/error.h"
 #include "formats/file.h"
 #include "formats/mesh_file_check.h"
+#include "formats/ply_header.h"
 
 namespace bakelight::formats {
 namespace {
 
 std::string plural(std::size_t count, const std::string& singular, const std::string& plural_form) {
   return std::to_string(count) + " " + (count == 1 ? singular : plural_form);
+}
+
+// sRGB (IEC 61966-2-1) of 0–1.
+float linearFromSrgb(float srgb) {
+  return srgb <= 0.04045F ? srgb / 12.92F : std::pow((srgb + 0.055F) / 1.055F, 2.4F);
+}
+
+// Whether the file's vertex colours are display codes rather than linear values; see mesh_import.h.
+bool hasSrgbColors(const std::filesystem::path& path, const Bytes& bytes) {
+  if (path.extension() == ".obj") return true;
+  if (path.extension() != ".ply") return false;
+  for (const PlyElement& element : readPlyHeader(bytes, path.string()).elements) {
+    for (const PlyProperty& property : element.properties) {
+      if (element.name == "vertex" && property.name == "red") return property.type == PlyScalar::kUint8;
+    }
+  }
+  return false;
 }
 
 // Affine, in double: a chain of node transforms must not cost float bits.
@@ -71,7 +89,8 @@ struct NormalTransform {
 
 class Merger {
  public:
-  Merger(const aiScene& scene, std::string file) : scene_(scene), file_(std::move(file)) {}
+  Merger(const aiScene& scene, bool srgb_colors, std::string file)
+      : scene_(scene), srgb_colors_(srgb_colors), file_(std::move(file)) {}
 
   MeshImport merge() {
     visitNode(*scene_.mRootNode, Transform{});
@@ -101,6 +120,7 @@ class Merger {
     addPositions(source, world_from_node);
     addNormals(source, world_from_node, normals);
     addTexcoords(source);
+    addColors(source);
     addTriangles(source, base, normals.determinant < 0);
   }
 
@@ -168,6 +188,26 @@ class Merger {
     }
   }
 
+  void addColors(const aiMesh& source) {
+    if (!source.HasVertexColors(0)) {
+      ++meshes_without_colors_;
+      return;
+    }
+    for (unsigned i = 0; i < source.mNumVertices; ++i) {
+      const aiColor4D& c = source.mColors[0][i];
+      Float3 color = {c.r, c.g, c.b};
+      bool clamped = false;
+      for (float& value : color) {
+        unusable_colors_ += !std::isfinite(value);
+        clamped |= value < 0 || value > 1;
+        value = std::clamp(value, 0.0F, 1.0F);
+        if (srgb_colors_) value = linearFromSrgb(value);
+      }
+      clamped_colors_ += clamped;
+      result_.mesh.colors.push_back(color);
+    }
+  }
+
   void addTriangles(const aiMesh& source, std::size_t base, bool mirrored) {
     mirrored_meshes_ += mirrored;
     for (unsigned i = 0; i < source.mNumFaces; ++i) {
@@ -210,16 +250,30 @@ class Merger {
       note("texture coordinates were left out: not every vertex has usable ones");
       mesh.texcoords.clear();
     }
+    finishColors();
+  }
+
+  void finishColors() {
+    if (result_.mesh.colors.empty()) return;
+    if (meshes_without_colors_ > 0 || unusable_colors_ > 0) {
+      note("vertex colours were left out: not every vertex has a usable one");
+      result_.mesh.colors.clear();
+    } else if (clamped_colors_ > 0) {
+      note(plural(clamped_colors_, "vertex colour was", "vertex colours were") +
+           " outside 0 to 1, and clamped");
+    }
   }
 
   void note(std::string text) { result_.notes.push_back(std::move(text)); }
 
   const aiScene& scene_;
+  bool srgb_colors_;
   std::string file_;
   MeshImport result_;
   std::size_t mesh_count_ = 0, mirrored_meshes_ = 0, points_and_lines_ = 0;
   std::size_t meshes_without_normals_ = 0, unusable_normals_ = 0;
   std::size_t meshes_without_texcoords_ = 0, unusable_texcoords_ = 0;
+  std::size_t meshes_without_colors_ = 0, unusable_colors_ = 0, clamped_colors_ = 0;
 };
 
 void checkCorners(const aiScene& scene, const std::string& file) {
@@ -242,7 +296,9 @@ void checkCorners(const aiScene& scene, const std::string& file) {
 
 MeshImport importMesh(const std::filesystem::path& path) {
   const std::string file = path.string();
-  const auto notes = checkMeshFile(path, readFile(path));
+  const Bytes bytes = readFile(path);
+  const auto notes = checkMeshFile(path, bytes);
+  const bool srgb_colors = hasSrgbColors(path, bytes);
   Assimp::Importer importer;
   const auto unreadable = [&] {
     return badInput({file, "", ""},
@@ -255,7 +311,7 @@ MeshImport importMesh(const std::filesystem::path& path) {
   // Only now, as it fails an assertion on a face without corners.
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr) throw unreadable();
-  MeshImport result = Merger(*scene, file).merge();
+  MeshImport result = Merger(*scene, srgb_colors, file).merge();
   // assimp's 3DS reader does so by the root node's transform: (x, y, z) becomes (x, z, −y).
   if (path.extension() == ".3ds") result.notes.push_back("3DS files have +Z up: turned to +Y up");
   result.notes.insert(result.notes.end(), notes.begin(), notes.end());

@@ -19,6 +19,11 @@ struct MeshImport {
 // as they are. Coordinates are what assimp makes of the file's text, up to 1 float ulp from the nearest
 // float.
 //
+// Vertex colours become linear ones in 0–1: glTF's are linear already, and so are PLY's unless they have 8
+// bits
+// ("uchar red"), which are sRGB by custom, as are OBJ's ("v x y z r g b"). What lies outside 0–1 is clamped,
+// and noted. Colours that not every vertex has are left out, and noted; an OBJ with some is an error.
+//
 // All meshes of the file in one, each node's transform applied, polygons triangulated, points and lines left
 // out. Vertices are not welded and nothing is repaired: that is the simplify stage's work, which counts it.
 // Throws Error(kBadInput) naming file and element: unreadable, truncated, no triangle, an index out of range,

@@ -2,6 +2,8 @@
 //
 // The reader is our own and strict, as assimp's PLY reader does not keep the order of shared vertices and
 // repairs silently; a per-vertex table baked beside a mesh needs both order and bits kept.
+//
+// Vertex colours are neither written nor read: they travel beside the mesh.
 #pragma once
 
 #include <filesystem>

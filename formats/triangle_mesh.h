@@ -12,13 +12,16 @@ using Float3 = std::array<float, 3>;
 using Float4 = std::array<float, 4>;
 using Triangle = std::array<std::uint32_t, 3>;
 
-// Right-handed, +Y up, counter-clockwise seen from outside. `normals` and `texcoords` are empty or have one
-// entry a vertex; texcoords have their origin at the lower left (u right, v up), as OBJ and OpenGL have.
+// Right-handed, +Y up, counter-clockwise seen from outside. `normals`, `texcoords` and `colors` are empty or
+// have one entry a vertex; texcoords have their origin at the lower left (u right, v up), as OBJ and OpenGL
+// have.
 struct TriangleMesh {
   std::vector<Float3> positions;  // n vertices, in the asset's unit of length
   std::vector<Float3> normals;    // unit length
   std::vector<Float2> texcoords;
   std::vector<Triangle> triangles;  // indices into the vertices
+  // Diffuse albedo, linear, 0–1. From importMesh only: the PLY between stages (mesh_ply.h) does not carry it.
+  std::vector<Float3> colors = {};
 
   std::size_t vertexCount() const { return positions.size(); }
   std::size_t triangleCount() const { return triangles.size(); }

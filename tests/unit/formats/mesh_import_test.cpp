@@ -166,6 +166,115 @@ TEST_F(MeshImportTest, CutGltfIsAnError) {
   }
 }
 
+// Of the vertex of `mesh` at `position`; assimp may reorder.
+Float3 colorAt(const TriangleMesh& mesh, const Float3& position) {
+  EXPECT_EQ(mesh.colors.size(), mesh.positions.size());
+  for (std::size_t i = 0; i < mesh.colors.size(); ++i) {
+    if (mesh.positions[i] == position) return mesh.colors[i];
+  }
+  ADD_FAILURE() << "no vertex at " << position[0] << ", " << position[1] << ", " << position[2];
+  return {};
+}
+
+void expectColor(const Float3& color, const Float3& expected) {
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(color[c], expected[c], 1e-6F) << c;
+}
+
+// 0.5 and code 128 as light: IEC 61966-2-1 by hand.
+constexpr float kLinearOfHalf = 0.21404114F, kLinearOf128 = 0.21586050F, kLinearOf2Percent = 0.02F / 12.92F;
+
+TEST_F(MeshImportTest, ObjColoursAreDisplayCodes) {
+  const MeshImport read = import("a.obj", "v 0 0 0 1 0 0.5\nv 1 0 0 0 0.02 0\nv 0 0.5 0 0 0 1\nf 1 2 3\n");
+  expectColor(colorAt(read.mesh, {0, 0, 0}), {1, 0, kLinearOfHalf});
+  expectColor(colorAt(read.mesh, {1, 0, 0}), {0, kLinearOf2Percent, 0});
+  expectColor(colorAt(read.mesh, {0, 0.5F, 0}), {0, 0, 1});
+  EXPECT_TRUE(read.notes.empty());
+  EXPECT_TRUE(import("b.obj", kTriangleObj).mesh.colors.empty());
+}
+
+TEST_F(MeshImportTest, ObjVerticesOfOtherFormsAreErrors) {
+  EXPECT_THAT(errorOf("a.obj", "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+              AllOf(HasSubstr("line 2"), HasSubstr("colour")));
+  EXPECT_THAT(errorOf("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0 0 0 1\nf 1 2 3\n"), HasSubstr("line 3"));
+  EXPECT_THAT(errorOf("a.obj", "v 0 0 0 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+              AllOf(HasSubstr("line 1"), HasSubstr("5 numbers")));
+  EXPECT_THAT(errorOf("a.obj", "v 0 0 0 1 0 0 1\n"), HasSubstr("7 numbers"));
+}
+
+std::string plyWith(const std::string& type, const std::string& first, const std::string& second) {
+  return "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+         "property " +
+         type + " red\nproperty " + type + " green\nproperty " + type +
+         " blue\n"
+         "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+         "0 0 0 " +
+         first + "\n1 0 0 " + second + "\n0 1 0 " + first + "\n3 0 1 2\n";
+}
+
+TEST_F(MeshImportTest, PlyColoursOfEightBitsAreDisplayCodesAndFloatsAreLight) {
+  const MeshImport codes = import("a.ply", plyWith("uchar", "255 0 128", "0 128 255"));
+  expectColor(colorAt(codes.mesh, {0, 0, 0}), {1, 0, kLinearOf128});
+  expectColor(colorAt(codes.mesh, {1, 0, 0}), {0, kLinearOf128, 1});
+  const MeshImport floats = import("b.ply", plyWith("float", "1 0 0.5", "0.25 0.02 0"));
+  expectColor(colorAt(floats.mesh, {0, 1, 0}), {1, 0, 0.5F});
+  expectColor(colorAt(floats.mesh, {1, 0, 0}), {0.25F, 0.02F, 0});
+}
+
+TEST_F(MeshImportTest, ColoursOutsideTheRangeAreClampedAndNoted) {
+  const MeshImport read = import("a.ply", plyWith("float", "1 0 0.5", "1.5 -1 0"));
+  expectColor(colorAt(read.mesh, {1, 0, 0}), {1, 0, 0});
+  EXPECT_THAT(read.notes, testing::Contains(AllOf(HasSubstr("1 vertex colour"), HasSubstr("clamped"))));
+}
+
+// The triangle of gltfWith, COLOR_0 in a buffer of its own. With `second`, another primitive without colours.
+std::string coloredGltf(const std::string& accessor, int size, const std::string& base64,
+                        bool second = false) {
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+  "meshes":[{"primitives":[{"attributes":{"POSITION":0,"COLOR_0":1}})" +
+         std::string(second ? R"(,{"attributes":{"POSITION":0}})" : "") + R"(]}],
+  "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
+               {"bufferView":1,"count":3,)" +
+         accessor + R"(}],
+  "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":1,"byteLength":)" +
+         std::to_string(size) + R"(}],
+  "buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"},
+             {"byteLength":)" +
+         std::to_string(size) + R"(,"uri":"data:application/octet-stream;base64,)" + base64 + R"("}]})";
+}
+
+// (1, 0, 0.5) (0.25, 0.5, 0) (0, 0, 1) as floats, and (255, 0, 128, 255) (64, 128, 0, 255) (0, 0, 255, 255).
+const std::string kFloatColors = "AACAPwAAAAAAAAA/AACAPgAAAD8AAAAAAAAAAAAAAAAAAIA/";
+const std::string kByteColors = "/wCA/0CAAP8AAP//";
+
+TEST_F(MeshImportTest, GltfColoursAreLight) {
+  const std::string floats = R"("componentType":5126,"type":"VEC3")";
+  const MeshImport read = import("a.gltf", coloredGltf(floats, 36, kFloatColors));
+  expectColor(colorAt(read.mesh, {0, 0, 0}), {1, 0, 0.5F});
+  expectColor(colorAt(read.mesh, {1, 0, 0}), {0.25F, 0.5F, 0});
+  expectColor(colorAt(read.mesh, {0, 1, 0}), {0, 0, 1});
+  const std::string bytes = R"("componentType":5121,"normalized":true,"type":"VEC4")";
+  const MeshImport coded = import("b.gltf", coloredGltf(bytes, 12, kByteColors));
+  expectColor(colorAt(coded.mesh, {0, 0, 0}), {1, 0, 128 / 255.0F});
+  expectColor(colorAt(coded.mesh, {1, 0, 0}), {64 / 255.0F, 128 / 255.0F, 0});
+}
+
+TEST_F(MeshImportTest, ColoursOfSomeVerticesOnlyAreLeftOutAndNoted) {
+  const MeshImport read =
+      import("a.gltf", coloredGltf(R"("componentType":5126,"type":"VEC3")", 36, kFloatColors, true));
+  EXPECT_EQ(read.mesh.vertexCount(), 6U);
+  EXPECT_TRUE(read.mesh.colors.empty());
+  EXPECT_THAT(read.notes, testing::Contains(HasSubstr("colours were left out")));
+}
+
+TEST_F(MeshImportTest, OurPlyDoesNotCarryColours) {
+  TriangleMesh mesh = wavyGrid(2);
+  mesh.colors.assign(4, {1, 0, 0});
+  writePly(folder_ / "a.ply", mesh);
+  const TriangleMesh read = readPly(folder_ / "a.ply");
+  EXPECT_EQ(read.positions, mesh.positions);
+  EXPECT_TRUE(read.colors.empty());
+}
+
 TEST_F(MeshImportTest, MissingAndForeignFilesAreNamed) {
   EXPECT_THROW(importMesh(folder_ / "none.obj"), Error);
   EXPECT_THAT(errorOf("a.txt", "hello"), HasSubstr("a.txt"));
