@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kRadiansPerDegree = kPi / 180;
-constexpr int kSmallestWidth_px = 256, kLargestWidth_px = 2048;
+constexpr int kSmallestWidth_px = 512, kLargestWidth_px = 2048;
 constexpr int kShapeSubsamples = 4;  // per axis and texel
 
 bool isLatLong(const formats::Image& image) {

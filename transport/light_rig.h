@@ -16,7 +16,7 @@ ShLight projectLight(const formats::DistantLight& light, int order);
 
 struct RigLight {
   ShLight light;  // of all distant lights, after windowing; order² entries
-  // Lat-long R, G, B of the same lights, for the picture: as wide as the widest environment, 256–2048 px.
+  // Lat-long R, G, B of the same lights, for the picture: as wide as the widest environment, 512–2048 px.
   // Lights too small for it are spread over a texel with their power kept.
   formats::Image backdrop;
   double moved_energy = 0;  // share of the light's squared norm beyond band 0 that windowing took away

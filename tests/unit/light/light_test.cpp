@@ -67,12 +67,12 @@ TEST(Light, TensorHoldsCoefficientsByColour) {
 TEST(Light, PreviewShowsTheLightsAboveTheirReconstruction) {
   const auto light = transport::distantLight(rigOf({formats::DiskLight{.half_angle_deg = 90}}), 10);
   const formats::Image picture = preview(light, 10);
-  ASSERT_EQ(picture.width, 256);
-  ASSERT_EQ(picture.height, 256);
-  EXPECT_EQ(picture.texel(100, 10)[0], 1);   // the upper half of the sphere shines
-  EXPECT_EQ(picture.texel(100, 120)[0], 0);  // the lower does not
-  EXPECT_NEAR(picture.texel(100, 128 + 30)[0], 1, 0.05);
-  EXPECT_NEAR(picture.texel(100, 128 + 98)[0], 0, 0.05);
+  ASSERT_EQ(picture.width, 512);
+  ASSERT_EQ(picture.height, 512);
+  EXPECT_EQ(picture.texel(100, 20)[0], 1);   // the upper half of the sphere shines
+  EXPECT_EQ(picture.texel(100, 240)[0], 0);  // the lower does not
+  EXPECT_NEAR(picture.texel(100, 256 + 60)[0], 1, 0.05);
+  EXPECT_NEAR(picture.texel(100, 256 + 196)[0], 0, 0.05);
 }
 
 class LightTool : public testing::Test {
@@ -92,7 +92,7 @@ TEST_F(LightTool, WritesTensorPreviewAndFigures) {
   ASSERT_EQ(run("--rig rig.json --light l.safetensors --preview l.exr --order 4 --stats s.json"), 0)
       << messages();
   EXPECT_EQ(formats::readSafetensors(folder_ / "l.safetensors").tensors.at("light").shape.at(0), 16u);
-  EXPECT_EQ(formats::readImage(folder_ / "l.exr").width, 256);
+  EXPECT_EQ(formats::readImage(folder_ / "l.exr").width, 512);
   const formats::Json stats = formats::readJson(folder_ / "s.json")["stats"];
   EXPECT_EQ(stats["lights"][0]["type"], "sky");
   EXPECT_EQ(stats["lights"][0]["energy_share"], 1);

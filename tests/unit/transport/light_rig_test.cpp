@@ -163,10 +163,10 @@ TEST(LightRig, TurningTheBodyIsTurningTheLightBack) {
 // The yaw turns the picture the same way as the light: both equal a picture made for the turned directions.
 TEST(LightRig, YawTurnsImageAndLightAlike) {
   formats::EnvironmentLight environment;
-  environment.image = latLong(128, smooth);
+  environment.image = latLong(256, smooth);
   environment.yaw_deg = 90;
   const Radiance turned = [](const Vec3& d) { return smooth(Vec3(-d.z(), d.y(), d.x())); };
-  const formats::Image expected = latLong(128, turned);
+  const formats::Image expected = latLong(256, turned);
   const RigLight light = distantLight(rigOf({environment}), 5);
   expectNear(light.light, projectLatLong(expected, 5, "test"), 1e-4);
   ASSERT_EQ(light.backdrop.values.size(), expected.values.size());
@@ -176,10 +176,10 @@ TEST(LightRig, YawTurnsImageAndLightAlike) {
 
 TEST(LightRig, BackdropOfAnUnturnedEnvironmentIsTheEnvironment) {
   formats::EnvironmentLight environment;
-  environment.image = latLong(150, smooth);
+  environment.image = latLong(280, smooth);
   environment.intensity = 2;
   const formats::Image backdrop = distantLight(rigOf({environment}), 2).backdrop;
-  ASSERT_EQ(backdrop.width, 300);
+  ASSERT_EQ(backdrop.width, 560);
   for (std::size_t i = 0; i < backdrop.values.size(); ++i)
     ASSERT_NEAR(backdrop.values[i], 2 * environment.image.values[i], 2e-4);
 }
@@ -190,8 +190,8 @@ TEST(LightRig, BackdropHasTheSizeOfTheLargestEnvironmentWithinBounds) {
     environment.image = formats::Image(2 * height, height, {"R", "G", "B"});
     return distantLight(rigOf({environment}), 1).backdrop.width;
   };
-  EXPECT_EQ(distantLight(rigOf({}), 1).backdrop.width, 256);
-  EXPECT_EQ(widthWith(16), 256);
+  EXPECT_EQ(distantLight(rigOf({}), 1).backdrop.width, 512);
+  EXPECT_EQ(widthWith(16), 512);
   EXPECT_EQ(widthWith(300), 600);
   EXPECT_EQ(widthWith(1500), 2048);
 }
@@ -212,9 +212,9 @@ TEST(LightRig, BackdropKeepsThePowerOfEachLight) {
     const RigLight rig = distantLight(rigOf({light}), 3);
     const ShLight drawn = projectLatLong(rig.backdrop, 3, "backdrop");
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(drawn[0][c], rig.light[0][c], 1e-5 * rig.light[0][c]);
-    // A texel is 1.4°: so far may the direction of a point light be off, and the higher bands with it.
+    // A texel is 0.7°: so far may the direction of a point light be off, and the higher bands with it.
     for (std::size_t i = 1; i < drawn.size(); ++i)
-      EXPECT_NEAR(drawn[i][0], rig.light[i][0], 0.06 * rig.light[0][0]) << light.index() << ", " << i;
+      EXPECT_NEAR(drawn[i][0], rig.light[i][0], 0.03 * rig.light[0][0]) << light.index() << ", " << i;
   }
 }
 
