@@ -1,8 +1,11 @@
 #include "tests/e2e/player_comparison.h"
 
 #include <cmath>
+#include <cstdlib>
 
+#include "formats/file.h"
 #include "formats/image.h"
+#include "formats/pack.h"
 #include "tests/e2e/made_packs.h"
 #include "transport/lights.h"
 
@@ -41,46 +44,193 @@ class PlayerAgainstCpu : public testing::Test {
     if (!HasFailure()) fs::remove_all(folder_);
   }
 
-  void expectAgreement(const formats::Pack& pack, const player::FrameSettings& settings,
-                       bool with_sky = true) {
+  PlayerComparison compare(const formats::Pack& pack, const player::FrameSettings& settings,
+                           const PlayerLights& lights) {
     formats::writePack(folder_ / "made.glb", pack, {});
-    const auto result = comparePlayerWithCpu(kPlayer, folder_ / "made.glb",
-                                             with_sky ? folder_ / "sky.exr" : fs::path(), settings, folder_);
+    const auto result = comparePlayerWithCpu(kPlayer, folder_ / "made.glb", lights, settings, folder_);
     EXPECT_TRUE(result.agrees()) << result.summary() << "; pictures in " << folder_;
     RecordProperty("comparison", result.summary());
     std::printf("%s\n", result.summary().c_str());
+    return result;
+  }
+
+  PlayerLights sky() const { return {.environment_path = folder_ / "sky.exr"}; }
+  PlayerLights rig(const std::string& json) const {
+    formats::writeFileAtomically(folder_ / "rig.json", json);
+    return {.rig_path = folder_ / "rig.json"};
   }
 
   fs::path folder_;
 };
 
+constexpr player::FrameSettings kSmall = {.width_px = 320, .height_px = 240};
+
 TEST_F(PlayerAgainstCpu, DefaultFrame) {
-  expectAgreement(wavyPack(5, 96), {});
+  compare(wavyPack(5, 96), {}, sky());
 }
 
 TEST_F(PlayerAgainstCpu, DefaultLight) {
-  expectAgreement(wavyPack(4, 64), {.width_px = 640, .height_px = 480}, false);
+  compare(wavyPack(4, 64), {.width_px = 640, .height_px = 480}, {});
 }
 
-// Yaw and pitch of camera and light all at once, so that a wrong order of rotations shows.
-TEST_F(PlayerAgainstCpu, TurnedCameraAndLight) {
-  expectAgreement(wavyPack(10, 64), {.width_px = 480,
-                                     .height_px = 640,
-                                     .supersampling = 3,
-                                     .yaw_deg = -130,
-                                     .pitch_deg = 40,
-                                     .distance = 0.8,
-                                     .field_of_view_deg = 50,
-                                     .light_yaw_deg = 70,
-                                     .light_pitch_deg = -35,
-                                     .exposure_ev = -1});
+// Yaw and pitch of camera, light and object all at once, so that a wrong order of rotations shows.
+TEST_F(PlayerAgainstCpu, TurnedCameraLightAndObject) {
+  compare(wavyPack(10, 64),
+          {.width_px = 480,
+           .height_px = 640,
+           .supersampling = 3,
+           .yaw_deg = -130,
+           .pitch_deg = 40,
+           .distance = 0.8,
+           .field_of_view_deg = 50,
+           .light_yaw_deg = 70,
+           .light_pitch_deg = -35,
+           .object_yaw_deg = -25,
+           .object_pitch_deg = 110,
+           .exposure_ev = -1},
+          sky());
 }
 
 TEST_F(PlayerAgainstCpu, TransparentBackground) {
-  expectAgreement(wavyPack(3, 64), {.width_px = 400,
-                                    .height_px = 300,
-                                    .supersampling = 1,
-                                    .background = player::Background::kTransparent});
+  compare(
+      wavyPack(3, 64),
+      {.width_px = 400, .height_px = 300, .supersampling = 1, .background = player::Background::kTransparent},
+      sky());
+}
+
+TEST_F(PlayerAgainstCpu, VertexColoursAndEightBitVectors) {
+  formats::Pack pack = wavyPack(5, 64);
+  for (const auto& normal : pack.mesh.normals)
+    pack.colors.push_back({0.5F + 0.5F * normal[0], 0.5F + 0.5F * normal[1], 0.7F});
+  encodeAt(formats::Precision::kUint8, pack);
+  compare(pack, kSmall, sky());
+}
+
+// Every kind of distant light, an environment on top, windowed; and the object turned under them.
+TEST_F(PlayerAgainstCpu, RigOfDistantLights) {
+  PlayerLights lights = rig(R"({"lights": [
+      {"type": "sky", "turbidity": 4, "sun_elevation_deg": 30, "sun_azimuth_deg": 50, "intensity": 0.05},
+      {"type": "disk", "direction": [-1, 0.5, 0.3], "half_angle_deg": 12, "radiance": [4, 2, 1]},
+      {"type": "polygon", "vertices": [[1, -0.5, 1], [1, 0.5, 1], [0.2, 0.4, 1]], "radiance": [1, 3, 2]},
+      {"type": "directional", "direction": [0, -1, 0.2], "irradiance": [0.1, 0.2, 0.5]}]})");
+  lights.environment_path = folder_ / "sky.exr";
+  lights.windowing = -1;
+  player::FrameSettings settings = kSmall;
+  settings.light_yaw_deg = 40;
+  settings.object_yaw_deg = 100;
+  compare(wavyPack(6, 64), settings, lights);
+}
+
+constexpr const char* kMovingLights = R"({"lights": [
+    {"type": "disk", "direction": [1, 1, 1], "half_angle_deg": 20, "radiance": [0.4, 0.4, 0.5]}],
+  "emitters": [
+    {"shape": "sphere", "position": [1.1, 0.5, 0.6], "radius": 0.25, "radiance": [6, 3, 1],
+     "motion": {"kind": "orbit", "axis": [0, 1, 0.2], "period_s": 6}},
+    {"shape": "quad", "position": [-1.2, 0.3, 0.2], "normal": [1, 0, 0.4], "width": 0.5, "height": 0.9,
+     "radiance": [1, 2, 7]},
+    {"shape": "sphere", "position": [0, -1.2, 0.4], "radius": 0.2, "radiance": [2, 5, 2],
+     "motion": {"kind": "shuttle", "to": [0.9, -0.9, 0.5], "period_s": 5}}]})";
+
+TEST_F(PlayerAgainstCpu, EmittersLightAndGlow) {
+  player::FrameSettings settings = kSmall;
+  settings.distance = 1.6;
+  settings.time_s = 0.8;
+  settings.object_yaw_deg = 30;
+  settings.object_pitch_deg = -20;
+  settings.exposure_ev = -1;
+  const auto lights = rig(kMovingLights);
+  EXPECT_GT(compare(wavyPack(5, 64), settings, lights).emitter_pixels, 1000u);
+}
+
+TEST_F(PlayerAgainstCpu, NearTransferWithCoarseAndFineCube) {
+  formats::Pack pack = spherePack(5, 48);
+  scaleMesh(pack, 0.5F);
+  addNearTransfer(pack, 1.0F);
+  player::FrameSettings settings = kSmall;
+  settings.distance = 1.3;
+  settings.exposure_ev = -1;
+  PlayerLights lights = rig(kMovingLights);
+  for (const int resolution : {24, 128}) {
+    lights.cube_resolution = resolution;
+    compare(pack, settings, lights);
+  }
+}
+
+TEST_F(PlayerAgainstCpu, GlossyInEachStorageAndPrecision) {
+  using formats::MatrixStorage, formats::Precision;
+  formats::GlossyMaterial phong, ggx, table;
+  phong.model = formats::LobeModel::kPhong;
+  phong.exponent = 20;
+  phong.specular_color = {0.6F, 0.5F, 0.4F};
+  ggx.model = formats::LobeModel::kGgx;
+  ggx.roughness = 0.4F;
+  ggx.specular_color = {0.3F, 0.5F, 0.6F};
+  table.model = formats::LobeModel::kTable;
+  table.table = madeBrdfTable(16, 4);
+  const struct {
+    MatrixStorage storage;
+    Precision precision;
+    int channels;
+    const formats::GlossyMaterial& material;
+  } cases[] = {{MatrixStorage::kMatrix, Precision::kFloat32, 1, phong},
+               {MatrixStorage::kMatrix, Precision::kUint8, 3, ggx},
+               {MatrixStorage::kVisibility, Precision::kFloat16, 1, ggx},
+               {MatrixStorage::kVisibility, Precision::kUint8, 1, table},
+               {MatrixStorage::kCpca, Precision::kFloat16, 3, phong}};
+  for (const auto& made : cases) {
+    formats::Pack pack = wavyPack(5, 48);
+    addGlossyTransfer(pack, 4, made.storage, made.channels);
+    pack.transfer.material = made.material;
+    encodeAt(made.precision, pack);
+    SCOPED_TRACE(std::string(nameOf(made.storage)) + ' ' + nameOf(made.precision) + ' ' +
+                 nameOf(made.material.model));
+    player::FrameSettings settings = kSmall;
+    settings.object_yaw_deg = 40;
+    compare(pack, settings, sky());
+  }
+}
+
+TEST_F(PlayerAgainstCpu, GlossyUnderEmitters) {
+  formats::Pack pack = wavyPack(4, 48);
+  addGlossyTransfer(pack, 4, formats::MatrixStorage::kMatrix);
+  pack.transfer.material.model = formats::LobeModel::kGgx;
+  pack.transfer.material.roughness = 0.3F;
+  player::FrameSettings settings = kSmall;
+  settings.distance = 1.4;
+  settings.exposure_ev = -1;
+  compare(pack, settings, rig(kMovingLights));
+}
+
+// A camera so close that it sees nothing but the body, while a light of constant radiance comes from afar
+// through the virtual sphere's wall to its centre.
+TEST_F(PlayerAgainstCpu, LightFromAfarToTheCentreIsFiniteAndMonotone) {
+  formats::Pack pack = spherePack(5, 24);
+  scaleMesh(pack, 0.1F);
+  addNearTransfer(pack, 1.0F);
+  formats::writePack(folder_ / "made.glb", pack, {});
+  double before = 0;
+  for (const double distance : {4.0, 2.0, 1.3, 1.01, 1.0, 0.99, 0.8, 0.6, 0.4, 0.0}) {
+    const PlayerLights lights =
+        rig(R"({"units": "world", "emitters": [{"shape": "sphere", "radius": 0.3, "position": [)" +
+            std::to_string(0.6 * distance) + ", 0, " + std::to_string(0.8 * distance) + "]}]}");
+    const std::string command = "'" + kPlayer.string() + "' '" + (folder_ / "made.glb").string() +
+                                "' --lights '" + lights.rig_path.string() + "' --image '" +
+                                (folder_ / "near.exr").string() +
+                                "' --width 32 --height 32 --field-of-view-deg 20 --distance 0.35";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    const formats::Image picture = formats::readImage(folder_ / "near.exr");
+    double sum = 0;
+    for (const float value : picture.values) {
+      ASSERT_TRUE(std::isfinite(value)) << distance;
+      sum += value;
+    }
+    // Alpha is 1 everywhere.
+    const double mean = sum / (32 * 32) / 3 - 1.0 / 3;
+    std::printf("light at %.2f: mean radiance %.6f\n", distance, mean);
+    EXPECT_GT(mean, before) << distance;
+    before = mean;
+  }
+  EXPECT_NEAR(before, 1, 0.01) << "light all around a white body";
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "formats/error.h"
 #include "transport/light_rig.h"
@@ -12,18 +11,6 @@
 
 namespace bakelight::player {
 namespace {
-
-// Exactly the channels R, G, B, whatever names and further channels the probe has.
-formats::Image rgbImage(formats::Image image) {
-  if (image.channel_names == std::vector<std::string>{"R", "G", "B"}) return image;
-  formats::Image rgb(image.width, image.height, {"R", "G", "B"});
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) {
-      const auto center = transport::directionOfLatLong((x + 0.5) / image.width, (y + 0.5) / image.height);
-      std::ranges::copy(transport::lookUpLatLong(image, center), rgb.texel(x, y));
-    }
-  return rgb;
-}
 
 void requireFinite(const transport::ShLight& light, const std::string& file) {
   for (std::size_t i = 0; i < light.size(); ++i)
@@ -60,11 +47,12 @@ formats::Image imageOf(const transport::ShLight& light, int order) {
 
 }  // namespace
 
-Lighting lightingFromImage(formats::Image image, int order, const std::string& file, double windowing) {
+Lighting lightingFromImage(const formats::Image& image, int order, const std::string& file,
+                           double windowing) {
   Lighting lighting;
   lighting.distant = transport::projectLatLong(image, order, file);
   requireFinite(lighting.distant, file);
-  lighting.backdrop = rgbImage(std::move(image));
+  lighting.backdrop = transport::rgbImage(image, file);
   applyWindow(lighting, windowing);
   return lighting;
 }

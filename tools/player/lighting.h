@@ -20,7 +20,8 @@ struct Lighting {
 
 // An environment image. Throws Error(kBadInput) naming `file` for what transport::projectLatLong throws for,
 // and for light that is not finite.
-Lighting lightingFromImage(formats::Image image, int order, const std::string& file, double windowing = 0);
+Lighting lightingFromImage(const formats::Image& image, int order, const std::string& file,
+                           double windowing = 0);
 
 // A light rig, distant lights and emitters. Throws Error(kBadInput) naming `file` for one without any light,
 // and for light that is not finite.

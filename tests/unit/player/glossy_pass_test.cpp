@@ -1,0 +1,151 @@
+#include "tools/player/glossy_pass.h"
+
+#include <cmath>
+#include <random>
+
+#include "tests/e2e/made_packs.h"
+#include "tools/player/gl_context.h"
+#include "transport/glossy.h"
+
+namespace bakelight::player {
+namespace {
+
+using formats::LobeModel;
+using formats::MatrixStorage;
+using transport::Float3;
+using transport::Vec3;
+
+// A ball of unit spheres' frames whose matrices nobody reads.
+formats::Pack packWith(int row_order, const formats::GlossyMaterial& material) {
+  formats::Pack pack = tests::spherePack(2, 8);
+  tests::addGlossyTransfer(pack, row_order, MatrixStorage::kVisibility);
+  pack.transfer.material = material;
+  return pack;
+}
+
+std::vector<float> randomValues(std::size_t count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  std::vector<float> values(count);
+  for (float& value : values) value = uniform(random);
+  return values;
+}
+
+Vec3 localEye(const formats::Pack& pack, std::size_t v, const Vec3& eye, Eigen::Matrix3d& frame) {
+  const Vec3 normal = transport::vec3(pack.mesh.normals[v]);
+  const auto& t = pack.transfer.tangents[v];
+  const Vec3 tangent(t[0], t[1], t[2]);
+  frame << tangent, t[3] * normal.cross(tangent), normal;
+  return frame.transpose() * (eye - transport::vec3(pack.mesh.positions[v])).normalized();
+}
+
+// Rows (one, or three of a table) in the frame of the transferred radiance.
+std::vector<double> expectedRows(const formats::Pack& pack, std::size_t v, const Vec3& eye,
+                                 bool object_frame) {
+  const formats::GlossyMaterial& material = pack.transfer.material;
+  const int order = pack.transfer.row_order;
+  const std::size_t count = static_cast<std::size_t>(transport::coefficientCount(order));
+  Eigen::Matrix3d frame;
+  const Vec3 local = localEye(pack, v, eye, frame);
+  std::vector<double> rows(3 * count);
+  if (material.model == LobeModel::kTable) {
+    transport::tableRows(material.table, local, order, rows);
+    return rows;
+  }
+  const auto kernel = material.model == LobeModel::kPhong ? transport::phongKernel(order, material.exponent)
+                                                          : transport::ggxKernel(order, material.roughness);
+  std::vector<double> row(count);
+  if (object_frame) {
+    transport::evaluateSh(order, frame * Vec3(-local.x(), -local.y(), std::abs(local.z())), row);
+    for (int l = 0; l < order; ++l)
+      for (int m = -l; m <= l; ++m) row[transport::coefficientIndex(l, m)] *= kernel[l];
+  } else {
+    transport::lobeRow(kernel, local, row);
+  }
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t i = 0; i < count; ++i) rows[c * count + i] = material.specular_color[c] * row[i];
+  return rows;
+}
+
+// Random transferred radiance over a diffuse part of `kDiffuse`; how far vertices are off, at most.
+double largestError(const formats::Pack& pack, const Vec3& eye, bool object_frame) {
+  constexpr float kDiffuse = 0.25f;
+  const std::size_t n = pack.mesh.vertexCount();
+  const std::size_t count = static_cast<std::size_t>(transport::coefficientCount(pack.transfer.row_order));
+  const auto transferred = randomValues(n * count * 3, 9);
+  const std::vector<float> diffuse(3 * n, kDiffuse);
+  const Vec3 origin(0.5, -0.25, 0.125);
+  const GlossyPass pass(pack, origin, object_frame);
+  pass.evaluate(eye, makeBuffer(transferred.size() * sizeof(float), transferred.data()),
+                makeBuffer(diffuse.size() * sizeof(float), diffuse.data()));
+  std::vector<Float3> actual(n);
+  glGetNamedBufferSubData(pass.buffer().name(), 0, static_cast<GLsizeiptr>(n * sizeof(Float3)),
+                          actual.data());
+
+  double largest = 0;
+  for (std::size_t v = 0; v < n; ++v) {
+    const auto rows = expectedRows(pack, v, eye, object_frame);
+    for (std::size_t c = 0; c < 3; ++c) {
+      double expected = kDiffuse;
+      for (std::size_t i = 0; i < count; ++i)
+        expected += rows[c * count + i] * static_cast<double>(transferred[(v * count + i) * 3 + c]);
+      largest = std::max(largest, std::abs(actual[v][c] - expected));
+    }
+  }
+  return largest;
+}
+
+class GlossyPassTest : public testing::Test {
+ protected:
+  HeadlessContext context_;
+  // Far away; over a pole, along the normal there; and inside the ball, below all surfaces.
+  const std::vector<Vec3> eyes_ = {{3, 2, 4}, {0, 5, 0}, {0.1, -0.2, 0.05}};
+};
+
+TEST_F(GlossyPassTest, LobesAreThoseOfTransportForEachOrder) {
+  for (int order = 1; order <= 10; ++order)
+    for (const Vec3& eye : eyes_)
+      for (const bool object_frame : {false, true}) {
+        formats::GlossyMaterial material;
+        material.model = order % 2 == 0 ? LobeModel::kPhong : LobeModel::kGgx;
+        material.exponent = 40;
+        material.roughness = 0.3f;
+        material.specular_color = {0.5f, 0.7f, 1};
+        EXPECT_LT(largestError(packWith(order, material), eye, object_frame), 2e-4)
+            << order << ' ' << object_frame << ", eye " << eye.transpose();
+      }
+}
+
+TEST_F(GlossyPassTest, TablesAreThoseOfTransport) {
+  for (const auto& [angles, table_order, row_order] :
+       {std::array{1, 3, 3}, std::array{2, 4, 3}, std::array{17, 5, 5}, std::array{64, 10, 9}})
+    for (const Vec3& eye : eyes_) {
+      formats::GlossyMaterial material;
+      material.model = LobeModel::kTable;
+      material.table = tests::madeBrdfTable(angles, table_order);
+      EXPECT_LT(largestError(packWith(row_order, material), eye, false), 2e-4)
+          << angles << " angles, eye " << eye.transpose();
+    }
+}
+
+TEST_F(GlossyPassTest, VisibilityExpandsToMatricesInTheLocalFrame) {
+  formats::Pack matrices = tests::spherePack(4, 8), visibility = matrices;
+  tests::addGlossyTransfer(matrices, 3, MatrixStorage::kMatrix);
+  tests::addGlossyTransfer(visibility, 3, MatrixStorage::kVisibility);
+  const auto expanded = matricesFromVisibility(visibility);
+  EXPECT_EQ(expanded.storage, MatrixStorage::kMatrix);
+  const auto expected = matrices.transfer.matrices.decode(), actual = expanded.matrices.decode();
+  ASSERT_EQ(actual.size(), expected.size());
+  for (std::size_t i = 0; i < actual.size(); ++i) ASSERT_NEAR(actual[i], expected[i], 1e-5) << i;
+}
+
+TEST_F(GlossyPassTest, WithoutFramesThereIsNoPass) {
+  formats::GlossyMaterial material;
+  material.model = LobeModel::kPhong;
+  formats::Pack pack = packWith(3, material);
+  pack.transfer.tangents.pop_back();
+  EXPECT_THROW(GlossyPass(pack, Vec3::Zero(), false), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace bakelight::player

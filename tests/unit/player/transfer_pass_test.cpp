@@ -1,0 +1,173 @@
+#include "tools/player/transfer_pass.h"
+
+#include <cmath>
+#include <random>
+
+#include "tools/player/gl_context.h"
+#include "tools/player/gpu_light.h"
+#include "transport/triple_product.h"
+
+namespace bakelight::player {
+namespace {
+
+using formats::MatrixStorage;
+using formats::Precision;
+using transport::Float3;
+
+constexpr std::size_t kVertices = 301;  // no multiple of the work group, nor of a word's bytes
+
+std::vector<float> randomValues(std::size_t count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  std::vector<float> values(count);
+  for (float& value : values) value = uniform(random);
+  return values;
+}
+
+formats::EncodedTable randomTable(std::size_t rows, std::size_t columns, Precision precision, unsigned seed) {
+  return formats::encodeTable(randomValues(rows * columns, seed), columns, precision, "made", "table");
+}
+
+std::size_t squared(int order) {
+  return static_cast<std::size_t>(transport::coefficientCount(order));
+}
+
+formats::RadianceTransfer randomTransfer(MatrixStorage storage, int row_order, int order, int channels,
+                                         Precision precision) {
+  constexpr std::size_t kClusters = 7, kWeights = 3;
+  formats::RadianceTransfer transfer;
+  transfer.order = order;
+  transfer.row_order = row_order;
+  transfer.channels = channels;
+  transfer.storage = storage;
+  const std::size_t size = channels * squared(row_order) * squared(order);
+  if (storage == MatrixStorage::kMatrix) transfer.matrices = randomTable(kVertices, size, precision, 1);
+  if (storage == MatrixStorage::kVisibility)
+    transfer.matrices = randomTable(kVertices, squared(row_order + order - 1), precision, 2);
+  if (storage == MatrixStorage::kCpca) {
+    transfer.matrices = randomTable(kVertices, kWeights, precision, 3);
+    transfer.basis = randomTable(kClusters * (1 + kWeights), size, precision, 4);
+    for (std::size_t v = 0; v < kVertices; ++v)
+      transfer.clusters.push_back(static_cast<std::uint32_t>((5 * v) % kClusters));
+  }
+  return transfer;
+}
+
+transport::ShLight randomLight(int order) {
+  const auto values = randomValues(3 * squared(order), 5);
+  transport::ShLight light;
+  for (std::size_t i = 0; i < squared(order); ++i)
+    light.push_back({values[3 * i], 10 * values[3 * i + 1], 0.1f * values[3 * i + 2]});
+  return light;
+}
+
+// row_order² × RGB of one row of matrices.
+std::vector<double> timesLight(const formats::RadianceTransfer& transfer, const float* row,
+                               const transport::ShLight& light) {
+  const std::size_t rows = squared(transfer.row_order), columns = squared(transfer.order);
+  std::vector<double> result(rows * 3);
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t j = 0; j < columns; ++j) {
+        const std::size_t channel = transfer.channels == 3 ? c : 0;
+        result[3 * i + c] += static_cast<double>(row[(channel * rows + i) * columns + j]) * light[j][c];
+      }
+  return result;
+}
+
+std::vector<double> expectedOfVertex(const formats::RadianceTransfer& transfer, std::size_t v,
+                                     const transport::ShLight& light) {
+  const auto table = transfer.matrices.decode();
+  const float* row = &table[v * transfer.matrices.columns];
+  if (transfer.storage == MatrixStorage::kMatrix) return timesLight(transfer, row, light);
+  if (transfer.storage == MatrixStorage::kVisibility) {
+    const transport::TripleProduct product(transfer.row_order, transfer.order);
+    std::vector<float> matrix(squared(transfer.row_order) * squared(transfer.order));
+    product.matrixOf({row, transfer.matrices.columns}, matrix);
+    return timesLight(transfer, matrix.data(), light);
+  }
+  const auto basis = transfer.basis.decode();
+  std::vector<double> sum(3 * squared(transfer.row_order));
+  const std::size_t weights = transfer.matrices.columns;
+  for (std::size_t k = 0; k <= weights; ++k) {
+    const std::size_t basis_row = transfer.clusters[v] * (1 + weights) + k;
+    const auto part = timesLight(transfer, &basis[basis_row * transfer.basis.columns], light);
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += (k == 0 ? 1 : row[k - 1]) * part[i];
+  }
+  return sum;
+}
+
+std::vector<float> evaluate(const formats::RadianceTransfer& transfer, const transport::ShLight& light,
+                            std::size_t largest_block_bytes = 0) {
+  TransferPass pass(transfer, largest_block_bytes);
+  const Buffer buffer = makeLightBuffer();
+  setLight(buffer, light);
+  pass.evaluate(buffer);
+  std::vector<float> result(kVertices * 3 * squared(transfer.row_order));
+  glGetNamedBufferSubData(pass.buffer().name(), 0, static_cast<GLsizeiptr>(result.size() * sizeof(float)),
+                          result.data());
+  throwIfGlFailed("reading back");
+  return result;
+}
+
+struct Shape {
+  int row_order, order;
+};
+
+class TransferPassTest : public testing::Test {
+ protected:
+  HeadlessContext context_;
+};
+
+TEST_F(TransferPassTest, IsMatrixTimesLightForEachStorageAndPrecision) {
+  for (const auto storage : {MatrixStorage::kMatrix, MatrixStorage::kVisibility, MatrixStorage::kCpca})
+    for (const auto precision : {Precision::kFloat32, Precision::kFloat16, Precision::kUint8})
+      for (const Shape shape : {Shape{1, 1}, Shape{5, 5}, Shape{5, 3}, Shape{2, 4}})
+        for (const int channels : {1, 3}) {
+          if (storage == MatrixStorage::kVisibility && channels == 3) continue;
+          const auto transfer = randomTransfer(storage, shape.row_order, shape.order, channels, precision);
+          const auto light = randomLight(shape.order);
+          const auto actual = evaluate(transfer, light);
+          for (std::size_t v = 0; v < kVertices; v += 50) {
+            const auto expected = expectedOfVertex(transfer, v, light);
+            for (std::size_t i = 0; i < expected.size(); ++i)
+              ASSERT_NEAR(actual[v * expected.size() + i], expected[i], 2e-4)
+                  << nameOf(storage) << ' ' << nameOf(precision) << ' ' << shape.row_order << " by "
+                  << shape.order << ' ' << channels << " vertex " << v << " value " << i;
+          }
+        }
+}
+
+TEST_F(TransferPassTest, OrderTen) {
+  const auto light = randomLight(10);
+  for (const auto storage : {MatrixStorage::kMatrix, MatrixStorage::kVisibility}) {
+    const auto transfer = randomTransfer(storage, 10, 10, 1, Precision::kFloat16);
+    const auto actual = evaluate(transfer, light);
+    const auto expected = expectedOfVertex(transfer, 300, light);
+    for (std::size_t i = 0; i < 300; ++i) ASSERT_NEAR(actual[300 * 300 + i], expected[i], 1e-3) << i;
+  }
+}
+
+TEST_F(TransferPassTest, PiecesGiveTheSameAsTheWholeTable) {
+  const auto light = randomLight(5);
+  for (const auto storage : {MatrixStorage::kMatrix, MatrixStorage::kVisibility, MatrixStorage::kCpca}) {
+    const auto transfer = randomTransfer(storage, 5, 5, 1, Precision::kUint8);
+    EXPECT_GT(TransferPass(transfer, 1000).dispatchCount(), TransferPass(transfer).dispatchCount())
+        << "nothing was cut";
+    EXPECT_EQ(evaluate(transfer, light, 1000), evaluate(transfer, light)) << nameOf(storage);
+  }
+}
+
+TEST_F(TransferPassTest, TablesThatDoNotFitAreRefused) {
+  auto transfer = randomTransfer(MatrixStorage::kCpca, 2, 2, 1, Precision::kFloat32);
+  transfer.clusters[17] = 7;
+  EXPECT_THROW(TransferPass{transfer}, std::invalid_argument);
+  transfer = randomTransfer(MatrixStorage::kMatrix, 2, 2, 1, Precision::kFloat32);
+  transfer.row_order = 3;
+  EXPECT_THROW(TransferPass{transfer}, std::invalid_argument);
+  transfer.storage = MatrixStorage::kNone;
+  EXPECT_THROW(TransferPass{transfer}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace bakelight::player
