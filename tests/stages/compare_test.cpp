@@ -35,9 +35,33 @@ TensorFile tensorsOf(std::vector<float> values, std::vector<std::uint64_t> shape
   return file;
 }
 
+EncodedTable columnOf(const TriangleMesh& mesh, float value) {
+  const std::vector<float> values(mesh.vertexCount(), value);
+  return encodeTable(values, 1, Precision::kFloat32, "test", "table");
+}
+
 Pack packOf(const TriangleMesh& mesh) {
-  Pack pack{"two", mesh, {0.5f, 0.5f, 0.5f}, {1, "unshadowed", {}}};
-  pack.transfer.vectors.assign(mesh.vertexCount(), 0.25f);
+  Pack pack{"two", mesh, {0.5f, 0.5f, 0.5f}, {}, {}};
+  pack.transfer.order = 1;
+  pack.transfer.transport = "unshadowed";
+  pack.transfer.vectors = columnOf(mesh, 0.25f);
+  return pack;
+}
+
+Pack glossyPackOf(const TriangleMesh& mesh) {
+  Pack pack = packOf(mesh);
+  pack.transfer.storage = MatrixStorage::kMatrix;
+  pack.transfer.row_order = 1;
+  for (const Float3& n : mesh.normals) {
+    // Of right angles to a normal on any axis or between them.
+    const Float3 t = std::abs(n[0]) < 0.5f ? Float3{1, 0, 0} : Float3{0, 1, 0};
+    const float along = t[0] * n[0] + t[1] * n[1];
+    const float length = std::sqrt(1 - along * along);
+    pack.transfer.tangents.push_back(
+        {(t[0] - along * n[0]) / length, (t[1] - along * n[1]) / length, -along * n[2] / length, 1});
+  }
+  pack.transfer.matrices = columnOf(mesh, 0.5f);
+  pack.transfer.material.model = LobeModel::kGgx;
   return pack;
 }
 
@@ -201,15 +225,35 @@ TEST(ComparePacks, EachPartShows) {
   Pack renamed = reference, recolored = reference, retyped = reference, moved = reference, darker = reference;
   renamed.name = "three";
   recolored.base_color[1] = 0.25f;
-  retyped.transfer.visibility = "shadowed";
+  retyped.transfer.transport = "shadowed";
   moved.mesh.positions[0][0] += 0.25f;
-  darker.transfer.vectors[0] = 0;
+  darker.transfer.vectors.data[3] = std::byte{0};  // 0.25 becomes next to nothing
   EXPECT_FALSE(comparePacks(renamed, reference, {}).passes());
   EXPECT_FALSE(comparePacks(recolored, reference, {}).passes());
   EXPECT_FALSE(comparePacks(retyped, reference, {}).passes());
   EXPECT_THAT(failingDifferences(comparePacks(moved, reference, {})), HasSubstr("vertices, distance"));
   EXPECT_EQ(failingDifferences(comparePacks(darker, reference, {})),
             "transfer, relative norm;transfer, maximum;");
+}
+
+TEST(ComparePacks, EachGlossyPartShows) {
+  const Pack reference = glossyPackOf(stages::twoSpheres(0));
+  EXPECT_TRUE(comparePacks(reference, reference, {}).passes());
+  EXPECT_FALSE(comparePacks(packOf(stages::twoSpheres(0)), reference, {}).passes());
+
+  Pack rougher = reference, coded = reference, turned = reference, darker = reference, colored = reference;
+  rougher.transfer.material.roughness = 0.5f;
+  coded.transfer.matrices.precision = Precision::kFloat16;
+  turned.transfer.tangents[0][3] = -1;
+  darker.transfer.matrices.data[3] = std::byte{0};
+  colored.colors.assign(reference.mesh.vertexCount(), {1, 1, 1});
+  EXPECT_THAT(comparePacks(rougher, reference, {}).mismatches, Contains(HasSubstr("roughness")));
+  EXPECT_THAT(comparePacks(coded, reference, {}).mismatches, Contains(HasSubstr("matrices, precision")));
+  EXPECT_THAT(comparePacks(colored, reference, {}).mismatches, Contains(HasSubstr("colors")));
+  EXPECT_EQ(failingDifferences(comparePacks(turned, reference, {})),
+            "tangents, relative norm;tangents, maximum;");
+  EXPECT_EQ(failingDifferences(comparePacks(darker, reference, {})),
+            "matrices, relative norm;matrices, maximum;");
 }
 
 TEST(CompareFiles, ACompressedPackIsNotItsPlainCounterpart) {

@@ -1,6 +1,9 @@
 #include "tools/inspect/describe_parts.h"
 
+#include <array>
+#include <charconv>
 #include <numeric>
+#include <string_view>
 
 #include "tools/inspect/tensor_figures.h"
 
@@ -9,7 +12,9 @@ namespace bakelight::inspect {
 using formats::Json;
 
 Json numberOf(float value) {
-  return Json::parse(Json(value).dump());
+  std::array<char, 32> text{};
+  const auto [end, status] = std::to_chars(text.data(), text.data() + text.size(), value);
+  return Json::parse(std::string_view(text.data(), end));
 }
 
 Json listOf(const formats::Float3& v) {

@@ -12,7 +12,7 @@
 
 namespace bakelight::inspect {
 
-// As the decimal text says: 0.8f is 0.8 and not 0.800000011920929.
+// By the shortest decimal text of the float: 0.8f is 0.8 and not 0.800000011920929. Finite values only.
 formats::Json numberOf(float value);
 formats::Json listOf(const formats::Float3& v);
 

@@ -13,6 +13,7 @@
 #include "transport/color.h"
 #include "transport/cpu_renderer.h"
 #include "transport/evaluator.h"
+#include "transport/glossy_evaluator.h"
 #include "transport/lights.h"
 
 namespace bakelight::inspect {
@@ -43,13 +44,17 @@ double meanLuminance(const transport::ShLight& light) {
   return luminance(light[0][0], light[0][1], light[0][2]) / std::sqrt(4 * std::numbers::pi);
 }
 
-Image render(const TriangleMesh& mesh, const std::vector<Float3>& vertex_radiance, double exposure,
-             const PreviewOptions& options, const std::string& file) {
+transport::OrbitCamera cameraFor(const TriangleMesh& mesh, const PreviewOptions& options,
+                                 const std::string& file) {
   const transport::BoundingSphere bounds = transport::boundingSphere(mesh);
   if (!(bounds.radius > 0) || mesh.triangles.empty())
     throw badInput({file, "", ""}, "the mesh has no extent, there is nothing to see",
                    "at least one triangle");
-  const auto camera = transport::frameSphere(bounds, options.yaw_deg, options.pitch_deg, 35, 1);
+  return transport::frameSphere(bounds, options.yaw_deg, options.pitch_deg, 35, 1);
+}
+
+Image render(const TriangleMesh& mesh, const std::vector<Float3>& vertex_radiance,
+             const transport::OrbitCamera& camera, double exposure, const PreviewOptions& options) {
   const transport::RayScene scene(mesh);
   const auto backdrop = [exposure](const Vec3&) {
     const auto grey = static_cast<float>(kBackdropRadiance / exposure);
@@ -140,8 +145,9 @@ std::array<float, 3> divergingColor(double value) {
   return color;
 }
 
+// Rows are the first extent, columns all the others.
 bool isTable(const formats::Tensor& tensor) {
-  return tensor.shape.size() == 2 && tensor.elementCount() > 0;
+  return tensor.shape.size() >= 2 && tensor.elementCount() > 0;
 }
 
 const std::pair<const std::string, formats::Tensor>& tableOf(const formats::TensorFile& tensors,
@@ -151,12 +157,13 @@ const std::pair<const std::string, formats::Tensor>& tableOf(const formats::Tens
   for (const auto& entry : tensors.tensors)
     if (isTable(entry.second)) return entry;
   throw badInput({file, "", ""}, "no tensor is a table, there is nothing to draw",
-                 "a tensor of two dimensions", "leave out --preview");
+                 "a tensor of two dimensions or more", "leave out --preview");
 }
 
 }  // namespace
 
 Preview previewMesh(const TriangleMesh& mesh, const PreviewOptions& options, const std::string& file) {
+  const transport::OrbitCamera camera = cameraFor(mesh, options, file);
   constexpr int kOrder = 3;  // clamped-cosine shading lives in three bands
   const std::vector<Float3> normals = mesh.normals.empty() ? smoothNormals(mesh) : mesh.normals;
   const std::vector<double> factors = transport::clampedCosineFactors(kOrder);
@@ -170,20 +177,18 @@ Preview previewMesh(const TriangleMesh& mesh, const PreviewOptions& options, con
   }
   const transport::ShLight light = transport::defaultLight(kOrder);
   const double exposure = kMiddleValue / meanLuminance(light);
-  return {render(mesh, transport::evaluateDiffuse(vectors, kOrder, light), exposure, options, file),
+  return {render(mesh, transport::evaluateDiffuse(vectors, kOrder, light), camera, exposure, options),
           mesh.normals.empty() ? "clay without shadows, with normals made for this picture"
                                : "clay without shadows, with the file's normals"};
 }
 
 Preview previewPack(const formats::Pack& pack, const PreviewOptions& options, const std::string& file) {
+  const transport::OrbitCamera camera = cameraFor(pack.mesh, options, file);
   const transport::ShLight light = transport::defaultLight(pack.transfer.order);
-  std::vector<Float3> radiance =
-      transport::evaluateDiffuse(pack.transfer.vectors.decode(), pack.transfer.order, light);
-  for (Float3& vertex : radiance)
-    for (std::size_t c = 0; c < 3; ++c) vertex[c] *= pack.base_color[c];
   const double exposure = kMiddleValue / meanLuminance(light);
-  return {render(pack.mesh, radiance, exposure, options, file),
-          "the pack's transfer under the default light" + format(", exposure %+.2f EV", std::log2(exposure))};
+  return {
+      render(pack.mesh, transport::evaluatePack(pack, light, {}, camera.eye()), camera, exposure, options),
+      "the pack's transfer under the default light" + format(", exposure %+.2f EV", std::log2(exposure))};
 }
 
 Preview previewImage(const Image& image, bool display_encoded, const PreviewOptions& options) {
@@ -218,17 +223,19 @@ Preview previewImage(const Image& image, bool display_encoded, const PreviewOpti
 Preview previewTensors(const formats::TensorFile& tensors, const PreviewOptions& options,
                        const std::string& file) {
   const auto& [name, tensor] = tableOf(tensors, file);
-  const std::uint64_t row_count = tensor.shape[0], column_count = tensor.shape[1];
+  const std::uint64_t row_count = tensor.shape[0], column_count = tensor.elementCount() / row_count;
+  const std::uint64_t coefficients = tensor.shape.back();  // of one function on the sphere, perhaps
   const Moments moments = measureTensor(tensor);
   const double scale = std::max(std::abs(moments.minimum()), std::abs(moments.maximum()));
-  const int order = orderOfColumns(column_count);
+  const int order = orderOfColumns(coefficients);
 
   Image image(options.size_px, options.size_px, {"R", "G", "B"});
   for (int x = 0; x < image.width; ++x) {
     const Cells columns = coveredBy(x, image.width, column_count);
-    const auto band = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(columns.begin)));
+    const std::uint64_t coefficient = columns.begin % coefficients;
+    const auto band = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(coefficient)));
     const bool starts_column = x > 0 && coveredBy(x - 1, image.width, column_count).begin != columns.begin;
-    const bool starts_band = order > 0 && starts_column && band * band == columns.begin;
+    const bool starts_band = order > 0 && starts_column && band * band == coefficient;
     for (int y = 0; y < image.height; ++y) {
       const Cells rows = coveredBy(y, image.height, row_count);
       double sum = 0;

@@ -26,7 +26,8 @@ struct Preview {
 Preview previewMesh(const formats::TriangleMesh& mesh, const PreviewOptions& options,
                     const std::string& file);
 
-// The pack's own transfer under transport::defaultLight, as the player shows it. Throws like previewMesh.
+// The pack under transport::defaultLight as distant light, glossy part included, as the player shows it.
+// Throws like previewMesh.
 Preview previewPack(const formats::Pack& pack, const PreviewOptions& options, const std::string& file);
 
 // Colour at an exposure that brings the mean to a middle value, or codes as they stand if `display_encoded`;
@@ -35,8 +36,8 @@ Preview previewPack(const formats::Pack& pack, const PreviewOptions& options, co
 Preview previewImage(const formats::Image& image, bool display_encoded, const PreviewOptions& options);
 
 // The tensor "transfer", or else the first table: rows down (averaged where they outnumber the pixels),
-// columns across, blue below 0, white at 0, red above; dark lines between SH bands. Throws Error(kBadInput)
-// naming `file` if there is no table.
+// columns (all extents but the first) across, blue below 0, white at 0, red above; dark lines between SH
+// bands. Throws Error(kBadInput) naming `file` if there is no table.
 Preview previewTensors(const formats::TensorFile& tensors, const PreviewOptions& options,
                        const std::string& file);
 

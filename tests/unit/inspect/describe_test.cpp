@@ -14,12 +14,36 @@ Json described(std::vector<Section> sections) {
   return asJson({"f", "k", 0, std::move(sections)});
 }
 
+formats::EncodedTable tableOf(const std::vector<float>& values, std::size_t columns,
+                              formats::Precision precision = formats::Precision::kFloat32) {
+  return formats::encodeTable(values, columns, precision, "test", "table");
+}
+
 formats::Pack trianglePack() {
-  formats::Pack pack{"one", {}, {0.5f, 0.25f, 0.125f}, {2, "shadowed", {}}};
+  formats::Pack pack{"one", {}, {0.5f, 0.25f, 0.125f}, {}, {}};
   pack.mesh.positions = {{0, 0, 0}, {3, 0, 0}, {0, 4, 0}};
   pack.mesh.normals.assign(3, {0, 0, 1});
   pack.mesh.triangles = {{0, 1, 2}};
-  pack.transfer.vectors = {1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0};
+  pack.transfer.order = 2;
+  pack.transfer.vectors = tableOf({1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0}, 4);
+  return pack;
+}
+
+// Two clusters of one weight, rows of order 1, near field, a lobe.
+formats::Pack glossyPack() {
+  formats::Pack pack = trianglePack();
+  formats::RadianceTransfer& transfer = pack.transfer;
+  transfer.near_vectors = tableOf(std::vector<float>(12, 2), 4);
+  transfer.sphere_center = {1, 2, 3};
+  transfer.sphere_radius = 5;
+  transfer.storage = formats::MatrixStorage::kCpca;
+  transfer.row_order = 1;
+  transfer.tangents.assign(3, {1, 0, 0, 1});
+  transfer.matrices = tableOf({0, 1, 2}, 1, formats::Precision::kUint8);
+  transfer.clusters = {0, 1, 1};
+  transfer.basis = tableOf({1, 1, 1, 1, 0, 2, 0, 0, 3, 3, 3, 3, 0, 0, 4, 0}, 4, formats::Precision::kFloat16);
+  transfer.material.model = formats::LobeModel::kGgx;
+  transfer.material.roughness = 0.3f;
   return pack;
 }
 
@@ -40,10 +64,13 @@ TEST(DescribePack, SectionsBytesAndTransfer) {
   const formats::Pack pack = trianglePack();
   const formats::Bytes bytes = formats::encodePack(pack, {}, "p.glb");
   const Json json = described(describePack(pack, bytes, "p.glb"));
-  EXPECT_EQ(json["pack"]["version"], 1);
+  EXPECT_EQ(json["pack"]["version"], 2);
   EXPECT_EQ(json["pack"]["base_color"], Json({0.5, 0.25, 0.125}));
   EXPECT_DOUBLE_EQ(json["pack"]["bytes_per_vertex"], static_cast<double>(bytes.size()) / 3);
-  EXPECT_EQ(json["transfer"]["visibility"], "shadowed");
+  EXPECT_EQ(json["transfer"]["transport"], "shadowed");
+  EXPECT_EQ(json["transfer"]["storage"], "none");
+  EXPECT_FALSE(json["transfer"].contains("row_order"));
+  EXPECT_FALSE(json.contains("lobe"));
   EXPECT_EQ(json["transfer"]["coefficients"], 4);
   EXPECT_NEAR(json["energy_per_sh_band"][0]["share_percent"], 50, 1e-12);
   bool found = false;
@@ -54,6 +81,49 @@ TEST(DescribePack, SectionsBytesAndTransfer) {
     EXPECT_EQ(section["verified"], true);
   }
   EXPECT_TRUE(found);
+}
+
+TEST(DescribePack, GlossyTablesNearFieldAndLobe) {
+  const formats::Pack pack = glossyPack();
+  const Json json = described(describePack(pack, formats::encodePack(pack, {}, "p.glb"), "p.glb"));
+  EXPECT_EQ(json["transfer"]["storage"], "cpca");
+  EXPECT_EQ(json["transfer"]["row_order"], 1);
+  EXPECT_EQ(json["transfer"]["clusters"], 2);
+  EXPECT_EQ(json["transfer"]["weights"], 1);
+  EXPECT_EQ(json["transfer"]["sphere_center"], Json({1, 2, 3}));
+  EXPECT_EQ(json["transfer"]["sphere_radius"], 5);
+  EXPECT_EQ(json["lobe"]["model"], "ggx");
+  EXPECT_EQ(json["lobe"]["roughness"], 0.3);
+  EXPECT_FALSE(json["lobe"].contains("exponent"));
+  ASSERT_EQ(json["tables"].size(), 4U);
+  EXPECT_EQ(json["tables"][2]["table"], "weights");
+  EXPECT_EQ(json["tables"][2]["precision"], "uint8");
+  EXPECT_NEAR(json["tables"][2]["mean"].get<double>(), 1, 0.01);
+  EXPECT_EQ(json["tables"][3]["table"], "basis");
+  EXPECT_EQ(json["tables"][3]["rows"], 4);
+  EXPECT_EQ(json["tables"][3]["maximum"], 4);
+  EXPECT_EQ(json["near_energy_per_sh_band"][1]["mean_energy"], 12);
+}
+
+TEST(DescribePack, AnOldPackIsWhatItWas) {
+  const std::string file = std::string(BAKELIGHT_SOURCE_DIR) + "/tests/unit/formats/golden/pack-v1.glb";
+  const formats::Bytes bytes = formats::readFile(file);
+  const Json json = described(describePack(formats::decodePack(bytes, file), bytes, file));
+  EXPECT_EQ(json["pack"]["version"], 1);
+  EXPECT_EQ(json["transfer"]["storage"], "none");
+}
+
+TEST(DescribeTensors, EnergyOfColouredTransferIsThatOfAllChannels) {
+  formats::TensorFile file;
+  std::vector<float> values(1 * 3 * 4, 0.0f);
+  values[0] = 3;      // red, l = 0
+  values[4 + 2] = 6;  // green, l = 1
+  file.tensors["transfer"] = Tensor::from<float>(ElementType::kFloat32, {1, 3, 4}, values);
+  file.tensors["near_transfer"] = file.tensors["transfer"];
+  const Json json = described(describeTensors(file));
+  EXPECT_EQ(json["energy_per_sh_band"][0]["mean_energy"], 3);
+  EXPECT_EQ(json["energy_per_sh_band"][1]["mean_energy"], 12);
+  EXPECT_EQ(json["near_energy_per_sh_band"], json["energy_per_sh_band"]);
 }
 
 TEST(DescribeTensors, TypesShapesMetadataAndBands) {

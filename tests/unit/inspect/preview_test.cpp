@@ -27,6 +27,20 @@ TriangleMesh square() {  // facing +Z
   return mesh;
 }
 
+formats::EncodedTable tableOf(std::size_t rows, float value) {
+  return formats::encodeTable(std::vector<float>(rows, value), 1, formats::Precision::kFloat32, "test",
+                              "table");
+}
+
+// Red; each vertex sees the mean of the light.
+formats::Pack squarePack() {
+  formats::Pack pack{"square", square(), {1, 0, 0}, {}, {}};
+  pack.mesh.normals.assign(4, {0, 0, 1});
+  pack.transfer.order = 1;
+  pack.transfer.vectors = tableOf(4, 0.2820948f);  // y_00
+  return pack;
+}
+
 formats::TensorFile table(std::vector<float> values, std::uint64_t rows, std::uint64_t columns) {
   formats::TensorFile file;
   file.tensors["transfer"] = Tensor::from<float>(ElementType::kFloat32, {rows, columns}, values);
@@ -55,14 +69,31 @@ TEST(Preview, AMeshWithoutExtentIsAnError) {
 }
 
 TEST(Preview, APackShowsItsBaseColour) {
-  formats::Pack pack{"square", square(), {1, 0, 0}, {1, "unshadowed", {}}};
-  pack.mesh.normals.assign(4, {0, 0, 1});
-  pack.transfer.vectors.assign(4, 0.2820948f);  // y_00: sees the mean of the light
+  const formats::Pack pack = squarePack();
   const Preview preview = previewPack(pack, {.size_px = 17, .yaw_deg = 0, .pitch_deg = 0}, "a.glb");
   const auto center = pixel(preview.image, 8, 8);
   EXPECT_GT(center[0], 0.6f);
   EXPECT_EQ(center[1], 0);
   EXPECT_EQ(center[2], 0);
+}
+
+TEST(Preview, APackShowsItsLobe) {
+  formats::Pack pack = squarePack();
+  formats::RadianceTransfer& transfer = pack.transfer;
+  transfer.storage = formats::MatrixStorage::kMatrix;
+  transfer.row_order = 1;
+  transfer.tangents.assign(4, {1, 0, 0, 1});
+  transfer.matrices = tableOf(4, 1);  // order 1: transferred radiance is the mean of the light
+  transfer.material.model = formats::LobeModel::kPhong;
+  transfer.material.specular_color = {0, 1, 0};
+  const PreviewOptions options = {.size_px = 17, .yaw_deg = 0, .pitch_deg = 0};
+  const auto glossy = pixel(previewPack(pack, options, "a.glb").image, 8, 8);
+  // The lobe returns all of that mean, as a green albedo does.
+  formats::Pack yellow = squarePack();
+  yellow.base_color = {1, 1, 0};
+  const auto diffuse = pixel(previewPack(yellow, options, "a.glb").image, 8, 8);
+  EXPECT_GT(diffuse[1], 0.5f);
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(glossy[c], diffuse[c], 1e-4f);
 }
 
 TEST(Preview, AnHdrImageHasItsMeanAtTheMiddleValue) {
@@ -115,6 +146,14 @@ TEST(Preview, BandsAreDivided) {
   const Preview preview = previewTensors(table({0, 0, 0, 0}, 1, 4), {.size_px = 16}, "a");
   EXPECT_THAT(pixel(preview.image, 4, 0), ElementsAre(0.25f, 0.25f, 0.25f));  // between l = 0 and l = 1
   EXPECT_THAT(pixel(preview.image, 8, 0), ElementsAre(1, 1, 1));
+}
+
+TEST(Preview, ColouredTransferHasItsChannelsSideBySide) {
+  formats::TensorFile file = table(std::vector<float>(12, 0.0f), 1, 12);
+  file.tensors["transfer"].shape = {1, 3, 4};
+  const Preview preview = previewTensors(file, {.size_px = 48}, "a");
+  EXPECT_THAT(pixel(preview.image, 20, 0), ElementsAre(0.25f, 0.25f, 0.25f));  // green, between l = 0 and 1
+  EXPECT_THAT(pixel(preview.image, 24, 0), ElementsAre(1, 1, 1));
 }
 
 TEST(Preview, TensorsWithoutATableAreAnError) {
