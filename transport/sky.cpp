@@ -103,6 +103,13 @@ Vec3 directionAt(double elevation_deg, double azimuth_deg) {
           std::cos(elevation) * std::cos(azimuth)};
 }
 
+// Perez's luminance distribution F(θ, γ) (eq. 4 of the paper): θ from the zenith, γ from the sun.
+double perez(const std::array<double, 5>& shape, double zenith_cosine, double gamma_rad) {
+  const double gamma_cosine = std::cos(gamma_rad);
+  const double horizon = 1 + shape[0] * std::exp(shape[1] / std::max(zenith_cosine, 1e-4));
+  return horizon * (1 + shape[2] * std::exp(shape[3] * gamma_rad) + shape[4] * gamma_cosine * gamma_cosine);
+}
+
 // Calls visit(direction, weight_sr) for a product rule over the upper half: Gauss–Legendre in height, equal
 // steps in azimuth.
 template <class Visit>
@@ -146,13 +153,8 @@ Sky::Sky(const formats::SkyLight& light)
 }
 
 double Sky::evaluate(const Distribution& distribution, double zenith_cosine, double sun_cosine) const {
-  const auto& [a, b, c, d, e] = distribution.shape;
-  const auto perez = [&](double cosine, double gamma, double gamma_cosine) {
-    return (1 + a * std::exp(b / std::max(cosine, 1e-4))) *
-           (1 + c * std::exp(d * gamma) + e * gamma_cosine * gamma_cosine);
-  };
-  return distribution.zenith * perez(zenith_cosine, std::acos(sun_cosine), sun_cosine) /
-         perez(1, sun_zenith_rad_, std::cos(sun_zenith_rad_));
+  return distribution.zenith * perez(distribution.shape, zenith_cosine, std::acos(sun_cosine)) /
+         perez(distribution.shape, 1, sun_zenith_rad_);
 }
 
 Sky::Rgb Sky::skyRadiance(double zenith_cosine, double sun_cosine) const {

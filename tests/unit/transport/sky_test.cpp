@@ -30,6 +30,17 @@ TEST(Sky, ZenithHasThePapersLuminance) {
   EXPECT_NEAR(luminance(Sky(skyWith(2, 20)).radiance(Vec3::UnitY())), 2.941, 0.02);
 }
 
+// Two directions, evaluated from the paper's tables by a script of a few lines.
+TEST(Sky, RadianceIsThatOfThePapersFormulas) {
+  const auto expectRgb = [](const Sky& sky, double elevation, double azimuth, const Sky::Rgb& expected) {
+    const double e = elevation * kPi / 180, a = azimuth * kPi / 180;
+    const Vec3 direction(std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a));
+    EXPECT_LT((sky.radiance(direction) - expected).abs().maxCoeff(), 1e-4) << sky.radiance(direction);
+  };
+  expectRgb(Sky(skyWith(3, 30, 25)), 50, 205, {2.312542, 4.469322, 8.483146});
+  expectRgb(Sky(skyWith(5, 60, 25)), 20, 25, {15.841702, 17.473832, 21.016032});
+}
+
 // A clear day: some 100 klx from the highest sun on a surface that faces it, 60 to 90 klx from one at 40°,
 // and 10 to 30 klx of the sky on the ground.
 TEST(Sky, SunAndSkyIlluminateAsOnAClearDay) {
