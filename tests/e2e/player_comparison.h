@@ -32,7 +32,7 @@ struct PlayerComparison {
 
 // What shines: files and the parameters that go with them.
 struct PlayerLights {
-  std::filesystem::path environment_path, rig_path;  // both empty: the default light
+  std::filesystem::path environment_path = {}, rig_path = {};  // both empty: the default light
   double windowing = 0;
   int cube_resolution = 64;
 };
