@@ -20,7 +20,7 @@ struct TriangleMesh {
   std::vector<Float3> normals;    // unit length
   std::vector<Float2> texcoords;
   std::vector<Triangle> triangles;  // indices into the vertices
-  // Diffuse albedo, linear, 0–1. From importMesh only: the PLY between stages (mesh_ply.h) does not carry it.
+  // Diffuse albedo, linear, 0–1.
   std::vector<Float3> colors = {};
 
   std::size_t vertexCount() const { return positions.size(); }

@@ -22,9 +22,10 @@ int main(int argc, char** argv) {
       .input("brdf", "tensors", brdf_path, "With lobe table: safetensors file of the brdf tool", false)
       .output("pack", "pack", pack_path, "binary glTF file (.glb)")
       .parameter("name", options.name, {}, "Name of the asset, shown by glTF viewers")
-      .parameter(
-          "albedo", options.albedo, {0, 1}, "",
-          "Diffuse reflectance, linear red, green and blue; the transfer's own albedo wins if it has one")
+      .parameter("albedo", options.albedo, {0, 1}, "",
+                 "Diffuse reflectance, linear red, green and blue; the transfer's albedo wins if it has one, "
+                 "or else "
+                 "the mesh's colours")
       .parameter("precision", precision, formats::precisionNames(),
                  "Numbers of matrices, visibility or weights (cpca's basis: float16 instead of uint8)")
       .parameter("lobe", options.lobe, packing::lobeNames(), "Glossy reflection, for a glossy transfer")

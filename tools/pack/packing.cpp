@@ -25,8 +25,15 @@ void requireSameMesh(const TensorSource& source, const formats::TriangleMesh& me
   throw source.error("metadata mesh_hash", "the transfer was baked for another mesh than " + mesh_file, hash);
 }
 
-// The albedo that interreflection was baked with, one for all or one a vertex.
+// The albedo that interreflection was baked with, one for all or one a vertex; else the mesh's colours, else
+// what the pack has already.
 void takeAlbedo(const TensorSource& source, formats::Pack& pack) {
+  if (!source.has("albedo")) {
+    if (pack.mesh.colors.empty()) return;
+    pack.base_color = {1, 1, 1};
+    pack.colors = pack.mesh.colors;
+    return;
+  }
   const Tensor& tensor = source.tensor("albedo", 2);
   const std::uint64_t rows = tensor.shape[0], vertices = pack.mesh.vertexCount();
   if ((rows != 1 && rows != vertices) || tensor.shape[1] != 3) {
@@ -135,7 +142,7 @@ formats::Pack assemblePack(formats::TriangleMesh mesh, const TensorFile& transfe
   formats::Pack pack{options.name, std::move(mesh), options.albedo, {}, {}};
   pack.transfer = readTransfer(source, pack.mesh.vertexCount(), options.precision);
   requireSameMesh(source, pack.mesh, files.mesh);
-  if (source.has("albedo")) takeAlbedo(source, pack);
+  takeAlbedo(source, pack);
   const LobeModel lobe = lobeNamed(options.lobe);
   checkCombination(lobe, pack.transfer.storage, brdf != nullptr, files);
   pack.transfer.material = materialOf(lobe, options, brdf, files.brdf);

@@ -18,7 +18,8 @@ struct SourceNames {
 
 struct PackingOptions {
   std::string name = "asset";
-  formats::Float3 albedo = {0.8F, 0.8F, 0.8F};  // unless the transfer file brings one
+  // Unless the transfer file has the albedo that it was baked with, or else the mesh has colours.
+  formats::Float3 albedo = {0.8F, 0.8F, 0.8F};
   // Of matrices, visibility vectors or weights. The basis of cpca gets half floats instead of 8-bit codes:
   // it is small, and its errors would show at every vertex. Diffuse vectors stay floats.
   formats::Precision precision = formats::Precision::kFloat32;

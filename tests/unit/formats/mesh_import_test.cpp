@@ -266,13 +266,14 @@ TEST_F(MeshImportTest, ColoursOfSomeVerticesOnlyAreLeftOutAndNoted) {
   EXPECT_THAT(read.notes, testing::Contains(HasSubstr("colours were left out")));
 }
 
-TEST_F(MeshImportTest, OurPlyDoesNotCarryColours) {
+TEST_F(MeshImportTest, ColoursOfOurOwnPlyAreTakenAsTheyAre) {
   TriangleMesh mesh = wavyGrid(2);
-  mesh.colors.assign(4, {1, 0, 0});
+  mesh.colors = {{0.5F, 0, 0.02F}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   writePly(folder_ / "a.ply", mesh);
   const TriangleMesh read = readPly(folder_ / "a.ply");
   EXPECT_EQ(read.positions, mesh.positions);
-  EXPECT_TRUE(read.colors.empty());
+  EXPECT_EQ(read.colors, mesh.colors);
+  expectColor(colorAt(importMesh(folder_ / "a.ply").mesh, mesh.positions[0]), {0.5F, 0, 0.02F});
 }
 
 TEST_F(MeshImportTest, MissingAndForeignFilesAreNamed) {

@@ -170,6 +170,21 @@ TEST(Packing, TheTransfersAlbedoWins) {
   EXPECT_THAT(errorOf(transfer), AllOf(HasSubstr("tensor albedo"), HasSubstr("2 × 3")));
 }
 
+TEST(Packing, TheMeshsColoursWinOverTheParameter) {
+  TriangleMesh mesh = triangle();
+  mesh.colors = {{0.1F, 0.2F, 0.3F}, {0.4F, 0.5F, 0.6F}, {0.7F, 0.8F, 0.9F}};
+  TensorFile transfer = diffuseTransfer();
+  const Pack pack = assemblePack(mesh, transfer, nullptr, {}, kNames);
+  EXPECT_EQ(pack.base_color, (Float3{1, 1, 1}));
+  EXPECT_EQ(pack.colors, mesh.colors);
+  transfer.tensors["albedo"] =
+      Tensor::from<float>(ElementType::kFloat32, {1, 3}, std::vector<float>{0.5F, 0.25F, 0.125F});
+  const Pack baked = assemblePack(mesh, transfer, nullptr, {}, kNames);
+  EXPECT_EQ(baked.base_color, (Float3{0.5F, 0.25F, 0.125F}))
+      << "what was baked with one albedo is shown with it";
+  EXPECT_TRUE(baked.colors.empty());
+}
+
 TEST(Packing, EachStorageKeepsItsTables) {
   for (const std::uint64_t channels : {1, 3}) {
     const TensorFile transfer = glossyTransfer("matrix", channels);
