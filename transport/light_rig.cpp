@@ -9,6 +9,7 @@
 #include "formats/error.h"
 #include "transport/cube_map.h"
 #include "transport/light_backdrop.h"
+#include "transport/polygon_light.h"
 #include "transport/sky.h"
 #include "transport/windowing.h"
 
@@ -33,6 +34,7 @@ class Projector {
   ShLight operator()(const formats::PolygonLight& light) const {
     std::vector<Vec3> vertices;
     for (const Float3& vertex : light.vertices) vertices.push_back(vec3(vertex));
+    static_cast<void>(PolygonOutline(vertices));  // refuses one that cannot be drawn
     return polygonLight(order_, vertices, light.radiance);
   }
   ShLight operator()(const formats::DirectionalLight& light) const {
@@ -50,6 +52,17 @@ void requireFinite(const ShLight& light, const std::string& what) {
       if (!std::isfinite(value))
         throw badInput({"", what + ", SH coefficient " + std::to_string(i), ""}, "the light is not finite",
                        "radiance that a float can sum up", "lower its radiance or intensity");
+}
+
+// projectLight, whose errors say which light of the rig they speak of.
+ShLight projectLightOf(const formats::LightRig& rig, std::size_t index, int order) {
+  try {
+    return projectLight(rig.distant[index], order);
+  } catch (const Error& error) {
+    ErrorPlace place = error.place();
+    if (place.pointer.empty()) place.pointer = "/lights/" + std::to_string(index);
+    throw Error(error.status(), place, error.problem(), error.expected(), error.remedy());
+  }
 }
 
 // Sums over the texels of one row of one face, three colours one after the other.
@@ -80,7 +93,7 @@ ShLight projectLight(const formats::DistantLight& light, int order) {
 RigLight distantLight(const formats::LightRig& rig, int order) {
   RigLight result;
   ShLight total(coefficientCount(order), Float3{0, 0, 0});
-  for (const formats::DistantLight& light : rig.distant) total = sum(total, projectLight(light, order));
+  for (std::size_t i = 0; i < rig.distant.size(); ++i) total = sum(total, projectLightOf(rig, i, order));
   requireFinite(total, "sum of all lights");
   const WindowedLight windowed =
       rig.windowing < 0 ? windowUntilPositive(total) : window(total, rig.windowing);

@@ -238,6 +238,21 @@ TEST(LightRig, RefusesLightThatIsNotFinite) {
                Error);
 }
 
+TEST(LightRig, ErrorsSayWhichLight) {
+  const formats::PolygonLight half_the_sky = {.vertices = {{1, 0, 0}, {-0.5F, 0, 0.9F}, {-0.5F, 0, -0.9F}}};
+  formats::EnvironmentLight square;
+  square.path = "square.exr";
+  square.image = formats::Image(9, 9, {"R", "G", "B"});
+  for (const formats::DistantLight& light :
+       {formats::DistantLight(half_the_sky), formats::DistantLight(square)})
+    try {
+      distantLight(rigOf({formats::DiskLight{}, light}), 3);
+      ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.place().pointer, "/lights/1");
+    }
+}
+
 TEST(LightRig, SameBytesWithAnyNumberOfThreads) {
   formats::EnvironmentLight environment;
   environment.image = cubeMap(33, true, smooth);
