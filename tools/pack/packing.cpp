@@ -50,13 +50,17 @@ void takeAlbedo(const TensorSource& source, formats::Pack& pack) {
   std::memcpy(pack.colors.data(), values.data(), values.size_bytes());
 }
 
-formats::BrdfTable brdfTable(const TensorFile& tensors, const std::string& file) {
+formats::BrdfTable brdfTable(const TensorFile& tensors, const std::string& file, int row_order) {
   const TensorSource source(tensors, file, "make it with the brdf tool of this version");
   source.requireText("basis", "real_sh_cartesian");
   source.requireText("frame", "local");
   source.requireText("cosine", "inside");
   formats::BrdfTable table;
   table.order = source.order("order");
+  if (table.order < row_order) {
+    throw source.error("metadata order", "it has fewer bands than the transferred radiance",
+                       std::to_string(row_order) + " or more");
+  }
   const std::uint64_t angles = source.tensor("brdf", 3).shape[0];
   const auto values =
       source.tensor("brdf", {angles, 3, squared(table.order)}, "angles × red, green, blue × order²")
@@ -95,13 +99,13 @@ void checkCombination(LobeModel lobe, MatrixStorage storage, bool has_brdf, cons
   }
 }
 
-formats::GlossyMaterial materialOf(LobeModel lobe, const PackingOptions& options, const TensorFile* brdf,
-                                   const std::string& brdf_file) {
+formats::GlossyMaterial materialOf(LobeModel lobe, int row_order, const PackingOptions& options,
+                                   const TensorFile* brdf, const std::string& brdf_file) {
   formats::GlossyMaterial material;
   material.model = lobe;
   if (lobe == LobeModel::kNone) return material;
   if (lobe == LobeModel::kTable) {
-    material.table = brdfTable(*brdf, brdf_file);
+    material.table = brdfTable(*brdf, brdf_file, row_order);
     return material;
   }
   material.specular_color = options.specular_color;
@@ -145,7 +149,7 @@ formats::Pack assemblePack(formats::TriangleMesh mesh, const TensorFile& transfe
   takeAlbedo(source, pack);
   const LobeModel lobe = lobeNamed(options.lobe);
   checkCombination(lobe, pack.transfer.storage, brdf != nullptr, files);
-  pack.transfer.material = materialOf(lobe, options, brdf, files.brdf);
+  pack.transfer.material = materialOf(lobe, pack.transfer.row_order, options, brdf, files.brdf);
   return pack;
 }
 
