@@ -131,6 +131,14 @@ class PlyReader {
     return offsets;
   }
 
+  // Float colours are those that writePly writes; others (8 bits, by custom) are not linear and left to
+  // importMesh.
+  std::optional<std::array<std::size_t, 3>> linearColor(const PlyElement& element) const {
+    for (const PlyProperty& property : element.properties)
+      if (property.name == "red" && property.type != PlyScalar::kFloat32) return std::nullopt;
+    return floatOffsets<3>(element, {"red", "green", "blue"});
+  }
+
   template <std::size_t N>
   std::array<float, N> floatsAt(const std::byte* row_data, const std::array<std::size_t, N>& offsets,
                                 std::uint64_t row, const char* what) const {
@@ -157,6 +165,7 @@ class PlyReader {
     const auto position = floatOffsets<3>(element, {"x", "y", "z"});
     const auto normal = floatOffsets<3>(element, {"nx", "ny", "nz"});
     const auto texcoord = floatOffsets<2>(element, {"s", "t"});
+    const auto color = linearColor(element);
     if (!position) throw error("header", "vertices have no position", "float properties x, y and z");
     // Before anything is allocated: a hostile count must not ask for memory that the file cannot fill.
     if (element.count > (bytes_.size() - position_) / row_size) {
@@ -167,11 +176,13 @@ class PlyReader {
     mesh.positions.reserve(element.count);
     if (normal) mesh.normals.reserve(element.count);
     if (texcoord) mesh.texcoords.reserve(element.count);
+    if (color) mesh.colors.reserve(element.count);
     for (std::uint64_t row = 0; row < element.count; ++row) {
       const std::byte* data = take(row_size, element, row);
       mesh.positions.push_back(floatsAt(data, *position, row, "position"));
       if (normal) mesh.normals.push_back(floatsAt(data, *normal, row, "normal"));
       if (texcoord) mesh.texcoords.push_back(floatsAt(data, *texcoord, row, "texture coordinate"));
+      if (color) mesh.colors.push_back(floatsAt(data, *color, row, "colour"));
     }
   }
 
@@ -246,6 +257,9 @@ std::string headerOf(const TriangleMesh& mesh) {
     for (const char* name : {"nx", "ny", "nz"}) header += std::string("property float ") + name + "\n";
   }
   if (!mesh.texcoords.empty()) header += "property float s\nproperty float t\n";
+  if (!mesh.colors.empty()) {
+    for (const char* name : {"red", "green", "blue"}) header += std::string("property float ") + name + "\n";
+  }
   header += "element face " + std::to_string(mesh.triangleCount()) + "\n";
   return header + "property list uchar uint vertex_indices\nend_header\n";
 }
@@ -255,12 +269,15 @@ std::string headerOf(const TriangleMesh& mesh) {
 void writePly(const std::filesystem::path& path, const TriangleMesh& mesh) {
   const std::size_t count = mesh.vertexCount();
   if ((!mesh.normals.empty() && mesh.normals.size() != count) ||
-      (!mesh.texcoords.empty() && mesh.texcoords.size() != count)) {
-    throw std::logic_error("a mesh has normals and texture coordinates for all vertices or for none");
+      (!mesh.texcoords.empty() && mesh.texcoords.size() != count) ||
+      (!mesh.colors.empty() && mesh.colors.size() != count)) {
+    throw std::logic_error(
+        "a mesh has normals, texture coordinates and colours for all vertices or for none");
   }
   const std::string header = headerOf(mesh);
   const std::size_t vertex_size = sizeof(Float3) + (mesh.normals.empty() ? 0 : sizeof(Float3)) +
-                                  (mesh.texcoords.empty() ? 0 : sizeof(Float2));
+                                  (mesh.texcoords.empty() ? 0 : sizeof(Float2)) +
+                                  (mesh.colors.empty() ? 0 : sizeof(Float3));
   Bytes bytes(header.size() + count * vertex_size + mesh.triangleCount() * (1 + sizeof(Triangle)));
   std::memcpy(bytes.data(), header.data(), header.size());
   std::byte* cursor = bytes.data() + header.size();
@@ -268,6 +285,7 @@ void writePly(const std::filesystem::path& path, const TriangleMesh& mesh) {
     cursor = put(cursor, mesh.positions[i]);
     if (!mesh.normals.empty()) cursor = put(cursor, mesh.normals[i]);
     if (!mesh.texcoords.empty()) cursor = put(cursor, mesh.texcoords[i]);
+    if (!mesh.colors.empty()) cursor = put(cursor, mesh.colors[i]);
   }
   for (const Triangle& triangle : mesh.triangles) cursor = put(put(cursor, std::uint8_t{3}), triangle);
   writeFileAtomically(path, bytes);

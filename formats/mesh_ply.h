@@ -2,8 +2,6 @@
 //
 // The reader is our own and strict, as assimp's PLY reader does not keep the order of shared vertices and
 // repairs silently; a per-vertex table baked beside a mesh needs both order and bits kept.
-//
-// Vertex colours are neither written nor read: they travel beside the mesh.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +11,8 @@
 
 namespace bakelight::formats {
 
-// Properties: x y z, then nx ny nz if there are normals, then s t if there are texcoords, all float32; faces
+// Properties: x y z, then nx ny nz if there are normals, then s t if there are texcoords, then
+// red green blue (linear albedo) if there are colours, all float32; faces
 // as `list uchar uint vertex_indices`. Atomic. Throws Error(kCannotWrite).
 void writePly(const std::filesystem::path& path, const TriangleMesh& mesh);
 
@@ -23,8 +22,7 @@ void writePly(const std::filesystem::path& path, const TriangleMesh& mesh);
 TriangleMesh readPly(const std::filesystem::path& path);
 
 // Names positions, normals and triangles (values and order) in 32 hex digits. What was baked for one mesh
-// carries it, so that it is never put on another. Texture coordinates do not count: they do not change how
-// light moves.
+// carries it, so that it is never put on another. Texture coordinates and colours do not count.
 std::string geometryHash(const TriangleMesh& mesh);
 
 }  // namespace bakelight::formats

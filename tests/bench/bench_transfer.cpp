@@ -1,5 +1,6 @@
 // The transfer bake beside the ray tracer that it stands on: how much of bare Embree's ray rate is left once
-// hemispheres are collected and coefficients are summed up.
+// hemispheres are collected and coefficients are summed up, for vectors and for matrices; and what further
+// bounces cost beside the shadow pass.
 //
 // raw_ray_ratio = (the bake's shadow rays/s) ÷ (the same rays through bare Embree in the same run), both on
 // all cores. Bare Embree is given the rays in the same order and its best interface of those tried (single
@@ -21,6 +22,7 @@
 
 #include "formats/mesh_import.h"
 #include "tools/simplify/simplify.h"
+#include "tools/transfer/surface_points.h"
 #include "tools/transfer/transfer.h"
 #include "transport/camera.h"
 #include "transport/directions.h"
@@ -66,7 +68,7 @@ class BareEmbree {
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
     rtcCommitScene(scene_);
-    offset_ = static_cast<float>(transfer::DiffuseOptions().bias * transport::boundingSphere(mesh).radius);
+    points_ = transfer::frontPoints(mesh, transfer::TransferOptions().bias);
   }
   ~BareEmbree() {
     rtcReleaseScene(scene_);
@@ -103,13 +105,13 @@ class BareEmbree {
         filled = 0;
       };
       const formats::Float3& normal = mesh_.normals[vertex];
-      const formats::Float3& position = mesh_.positions[vertex];
+      const formats::Float3& origin = points_[vertex].origin;
       for (const auto& direction : directions_) {
         const formats::Float3 d = transport::float3(direction);
         if (normal[0] * d[0] + normal[1] * d[1] + normal[2] * d[2] <= 0) continue;
         // Field order of every Embree 3 ray type: org xyz, tnear, dir xyz, time, tfar, mask.
         for (int c = 0; c < 3; ++c) {
-          lane(packet, c, kWidth)[filled] = position[c] + offset_ * normal[c];
+          lane(packet, c, kWidth)[filled] = origin[c];
           lane(packet, 4 + c, kWidth)[filled] = d[c];
         }
         lane(packet, 8, kWidth)[filled] = std::numeric_limits<float>::infinity();
@@ -134,7 +136,7 @@ class BareEmbree {
   std::vector<transport::Vec3> directions_;
   RTCDevice device_ = rtcNewDevice(nullptr);
   RTCScene scene_ = rtcNewScene(device_);
-  float offset_ = 0;
+  std::vector<transfer::SurfacePoint> points_;
 };
 
 double median(std::vector<double> values) {
@@ -142,52 +144,114 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-void shadowedVectors(benchmark::State& state) {
+struct TimedBake {
+  transfer::Transfer transfer;
+  double seconds = 0;
+};
+
+TimedBake timedBake(const formats::TriangleMesh& mesh, const transfer::TransferOptions& options) {
+  stage::Progress silent(stage::ProgressStyle::kNone, "", 0, "");
+  const std::vector<formats::Float3> albedo = {{0.8F, 0.8F, 0.8F}};
+  const auto start = Clock::now();
+  TimedBake timed{transfer::bakeTransfer(mesh, albedo, options, silent), 0};
+  timed.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  return timed;
+}
+
+// Arguments: order, and whether matrices (order² × order²) are baked too.
+void shadowed(benchmark::State& state) {
   const formats::TriangleMesh& mesh = bunny();
   const BareEmbree bare(mesh);
-  transfer::DiffuseOptions options;
+  transfer::TransferOptions options;
   options.directions = kDirections;
-  options.order = static_cast<int>(state.range(0));
-  stage::Progress silent(stage::ProgressStyle::kNone, "", 0, "");
+  options.order = options.row_order = static_cast<int>(state.range(0));
+  if (state.range(1) != 0) options.glossy = transfer::Glossy::kMatrices;
 
   for (auto _ : state) {
     std::vector<double> ours, singles, eights, sixteens, bake_s;
-    transfer::DiffuseTransfer baked;
+    TimedBake baked;
     BareEmbree::Traced traced;
     for (int round = 0; round < kRounds; ++round) {
-      const auto start = Clock::now();
-      baked = transfer::bakeDiffuse(mesh, options, silent);
-      bake_s.push_back(std::chrono::duration<double>(Clock::now() - start).count());
-      ours.push_back(static_cast<double>(baked.rays) / bake_s.back());
+      baked = timedBake(mesh, options);
+      bake_s.push_back(baked.seconds);
+      ours.push_back(static_cast<double>(baked.transfer.rays) / baked.seconds);
       singles.push_back(bare.trace<RTCRay, 1>().rays_per_s);
       eights.push_back(bare.trace<RTCRay8, 8>().rays_per_s);
       traced = bare.trace<RTCRay16, 16>();
       sixteens.push_back(traced.rays_per_s);
     }
-    if (traced.rays != baked.rays || traced.blocked != baked.blocked_rays) {
+    if (traced.rays != baked.transfer.rays || traced.blocked != baked.transfer.blocked_rays) {
       state.SkipWithError("bake and bare Embree did not trace the same rays");
       return;
     }
     const double rival = std::max({median(singles), median(eights), median(sixteens)});
     state.SetIterationTime(median(bake_s));
     state.counters["raw_ray_ratio"] = median(ours) / rival;
-    state.counters["rays"] = static_cast<double>(baked.rays);
+    state.counters["rays"] = static_cast<double>(baked.transfer.rays);
     state.counters["blocked_share"] =
-        static_cast<double>(baked.blocked_rays) / static_cast<double>(baked.rays);
+        static_cast<double>(baked.transfer.blocked_rays) / static_cast<double>(baked.transfer.rays);
     state.counters["bake_rays_per_s"] = median(ours);
     state.counters["embree_rays_per_s_1"] = median(singles);
     state.counters["embree_rays_per_s_8"] = median(eights);
     state.counters["embree_rays_per_s_16"] = median(sixteens);
     state.counters["vertices"] = static_cast<double>(mesh.vertexCount());
-    state.counters["quadrature_error"] = baked.quadrature_error;
+    state.counters["quadrature_error"] = baked.transfer.quadrature_error;
   }
 }
-BENCHMARK(shadowedVectors)
-    ->Arg(5)
+BENCHMARK(shadowed)
+    ->Name("shadowed_vectors")
+    ->Args({5, 0})
+    ->ArgNames({"order", "matrices"})
     ->Iterations(1)
     ->UseManualTime()
-    ->Unit(benchmark::kMillisecond)
-    ->ArgName("order");
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(shadowed)
+    ->Name("shadowed_matrices")
+    ->Args({5, 1})
+    ->ArgNames({"order", "matrices"})
+    ->Iterations(1)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
+
+// bounces_vs_shadow = (bake with so many further bounces − bake with shadows only) ÷ the latter. `matrices`:
+// both with matrices. The bounces of the paper took as long as its shadow pass (8 and 17 minutes).
+void furtherBounces(benchmark::State& state) {
+  const formats::TriangleMesh& mesh = bunny();
+  transfer::TransferOptions shadow;
+  shadow.directions = kDirections;
+  shadow.order = shadow.row_order = 5;
+  if (state.range(1) != 0) shadow.glossy = transfer::Glossy::kMatrices;
+  transfer::TransferOptions bounced = shadow;
+  bounced.transport = transfer::Transport::kInterreflected;
+  bounced.interreflection.bounces = static_cast<int>(state.range(0));
+  for (auto _ : state) {
+    std::vector<double> shadow_s, bounced_s;
+    TimedBake last;
+    for (int round = 0; round < kRounds; ++round) {
+      shadow_s.push_back(timedBake(mesh, shadow).seconds);
+      last = timedBake(mesh, bounced);
+      bounced_s.push_back(last.seconds);
+    }
+    const auto& energy = last.transfer.interreflection.added_energy;
+    if (static_cast<int>(energy.size()) != state.range(0)) {
+      state.SkipWithError("other bounces than asked for");
+      return;
+    }
+    state.SetIterationTime(median(bounced_s));
+    state.counters["bounces_vs_shadow"] = median(bounced_s) / median(shadow_s) - 1;
+    state.counters["shadow_ms"] = 1000 * median(shadow_s);
+    state.counters["added_energy_first"] = energy.front();
+    state.counters["added_energy_last"] = energy.back();
+  }
+}
+BENCHMARK(furtherBounces)
+    ->Name("further_bounces")
+    ->Args({3, 0})
+    ->Args({3, 1})
+    ->ArgNames({"bounces", "matrices"})
+    ->Iterations(1)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace bakelight

@@ -3,6 +3,8 @@
 
 #include "formats/mesh_import.h"
 #include "formats/mesh_ply.h"
+#include "tools/simplify/colors.h"
+#include "tools/simplify/double_sided.h"
 #include "tools/simplify/orientation.h"
 #include "tools/simplify/report.h"
 #include "tools/simplify/simplify.h"
@@ -10,12 +12,18 @@
 
 int main(int argc, char** argv) {
   using namespace bakelight;
-  std::filesystem::path mesh_path, simplified_path;
+  std::filesystem::path mesh_path, texture_path, simplified_path;
   simplify::SimplifyOptions options;
   std::string up_axis = "y";
+  bool double_sided = false;
   stage::Tool tool("simplify", "Repairs a mesh and reduces it to a given number of round triangles");
   tool.input("mesh", "mesh", mesh_path, "Any mesh file that assimp reads: OBJ, PLY, STL, OFF, glTF, 3DS, ...")
-      .output("simplified", "mesh", simplified_path, "Binary PLY with normals")
+      .input("texture", "image", texture_path,
+             "Albedo for the mesh's texture coordinates; 8-bit images are sRGB. Becomes vertex colours, as "
+             "do the "
+             "mesh's own colours",
+             false)
+      .output("simplified", "mesh", simplified_path, "Binary PLY with normals, and albedo if there is any")
       .parameter("up_axis", up_axis, simplify::upAxes(),
                  "Axis of the mesh, as the importer delivers it, that is up and becomes +Y")
       .parameter("triangles", options.triangles, {4, 1e8}, "triangles",
@@ -25,12 +33,20 @@ int main(int argc, char** argv) {
       .parameter("crease_angle_deg", options.crease_angle_deg, {0, 180}, "deg",
                  "Edges sharper than this are kept in place and shaded flat")
       .parameter("relax_rounds", options.relax_rounds, {0, 100}, "rounds",
-                 "Edge flips and vertex moves for rounder triangles; 0 leaves decimation's triangles");
+                 "Edge flips and vertex moves for rounder triangles; 0 leaves decimation's triangles")
+      .parameter(
+          "double_sided", double_sided,
+          "Give parts with an open border a back of their own, so that it is lit as such; doubles them");
   return tool.run(argc, argv, [&](stage::Run& run) {
     formats::MeshImport imported = formats::importMesh(mesh_path);
     for (const std::string& note : imported.notes) run.warn(note);
     simplify::turnUpright(imported.mesh, up_axis);
-    const simplify::SimplifyResult result = simplify::simplify(imported.mesh, options, mesh_path.string());
+    simplify::SimplifyResult result = simplify::simplify(imported.mesh, options, mesh_path.string());
+    const formats::Image texture =
+        texture_path.empty() ? formats::Image() : simplify::readAlbedoTexture(texture_path);
+    result.mesh.colors = simplify::carryAlbedo(imported.mesh, texture_path.empty() ? nullptr : &texture,
+                                               result.mesh, mesh_path.string());
+    if (double_sided) run.stat("back_triangles", simplify::addBacks(result.mesh));
     formats::writePly(simplified_path, result.mesh);
     for (const std::string& warning : result.report.warnings) run.warn(warning);
     const formats::Json stats = simplify::toJson(result.report);

@@ -171,7 +171,6 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
   report.vertices_out = static_cast<std::int64_t>(result.mesh.vertexCount());
   report.triangles_out = static_cast<std::int64_t>(result.mesh.triangleCount());
   watch.lap("normals");
-  if (!input.texcoords.empty()) report.warnings.push_back("texture coordinates were dropped");
   return result;
 }
 

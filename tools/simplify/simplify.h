@@ -41,7 +41,7 @@ struct SimplifyReport {
 };
 
 struct SimplifyResult {
-  formats::TriangleMesh mesh;  // with normals, without texcoords
+  formats::TriangleMesh mesh;  // with normals; without texcoords and colours (colors.h)
   SimplifyReport report;
 };
 

@@ -11,22 +11,20 @@
 using namespace bakelight;
 
 int main(int argc, char** argv) {
-  std::filesystem::path mesh_path, albedo_path, transfer_path;
+  std::filesystem::path mesh_path, transfer_path;
   transfer::TransferSettings settings;
   stage::Tool tool("transfer", "Bakes radiance transfer at the vertices of a mesh.");
   transfer::declare(tool, settings);
-  tool.input("mesh", "mesh", mesh_path, "PLY mesh with normals, as simplify writes it")
-      .input("vertex_albedo", "tensors", albedo_path,
-             "reflectance at the vertices, from the albedo tool; default: the parameter albedo everywhere",
-             false)
+  tool.input("mesh", "mesh", mesh_path,
+             "PLY mesh with normals, as simplify writes it; its colours are the albedo")
       .output("transfer", "tensors", transfer_path, "safetensors file for pack (docs/FORMATS.md)")
       .executionPath(transport::RayScene::executionPath);
 
   return tool.run(argc, argv, [&](stage::Run& run) {
     const transfer::TransferOptions options = transfer::bakeOptions(settings);
     const formats::TriangleMesh mesh = transfer::readBakeableMesh(mesh_path);
-    std::vector<formats::Float3> albedo = transfer::readVertexAlbedo(albedo_path, mesh);
-    // Without bounces the albedo stays outside, and pack is free to choose it.
+    std::vector<formats::Float3> albedo = mesh.colors;
+    // Without bounces a uniform albedo stays outside, and pack is free to choose it.
     if (albedo.empty() && options.transport == transfer::Transport::kInterreflected)
       albedo = {settings.albedo};
 

@@ -26,15 +26,13 @@ void MatrixBaker::turnRows(const Eigen::Matrix3d& local_from_object, std::span<f
   }
 }
 
-void addBouncedLight(const ShadowPass& pass, const transport::RayScene& scene, const SurfacePoint& point,
+void addBouncedLight(const ShadowPass& pass, const SurfacePoint& point, const std::vector<bool>& blocked_rays,
                      const TransferField& exit, std::span<const formats::Triangle> sides_from_behind,
                      std::span<const std::uint32_t> row_of_side, int channels, int row_order, int order,
                      ShadowPass::Workspace& work, std::span<float> matrices) {
   const int rows = transport::coefficientCount(row_order), columns = transport::coefficientCount(order);
   const int width = channels * columns;
-  Hemisphere& hemisphere = work.hemisphere;
-  hemisphere.collect(pass.quadrature(), point.normal);
-  scene.nearestHits(point.origin, hemisphere.rays, 0, hemisphere.count, work.hits);
+  pass.findHits(point, blocked_rays, work);
 
   // Hits in blocks, so that the sum over them is a product of two small matrices.
   constexpr int kBlock = 128;
@@ -45,7 +43,7 @@ void addBouncedLight(const ShadowPass& pass, const transport::RayScene& scene, c
     sum.noalias() += basis.topRows(filled).transpose() * bounced.topRows(filled);
     filled = 0;
   };
-  for (std::size_t k = 0; k < hemisphere.count; ++k) {
+  for (std::size_t k = 0; k < work.blocked_directions.size(); ++k) {
     if (work.hits.blocked[k] == 0) continue;
     const std::uint32_t triangle = work.hits.triangle[k];
     const formats::Triangle& corners =
@@ -61,7 +59,7 @@ void addBouncedLight(const ShadowPass& pass, const transport::RayScene& scene, c
           shares[corner] * Eigen::Map<const Eigen::RowVectorXf>(exit.row(row).data(), width);
     }
     basis.row(filled) =
-        Eigen::Map<const Eigen::RowVectorXf>(pass.quadrature().row(hemisphere.directions[k]), rows);
+        Eigen::Map<const Eigen::RowVectorXf>(pass.quadrature().row(work.blocked_directions[k]), rows);
     if (++filled == kBlock) flush();
   }
   flush();

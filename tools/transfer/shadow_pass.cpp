@@ -15,6 +15,8 @@ using transport::vec3;
 
 ShadowPass::Workspace::Workspace(const ShadowPass& pass)
     : hemisphere(pass.quadrature().size()),
+      blocked(pass.quadrature().size()),
+      blocked_rays(pass.quadrature().size()),
       hits(pass.quadrature().size()),
       ones(pass.quadrature().size(), 1.0f),
       all_sums(pass.quadrature().rowSize()),
@@ -37,15 +39,11 @@ PointFigures ShadowPass::trace(const SurfacePoint& point,
                                const PointTransfer& result, Workspace& work) const {
   Hemisphere& hemisphere = work.hemisphere;
   hemisphere.collect(quadrature_, point.normal);
-  if (options_.record_hits)
-    scene_.nearestHits(point.origin, hemisphere.rays, 0, hemisphere.count, work.hits);
-  else
-    scene_.occluded(point.origin, hemisphere.rays, 0, std::span(work.hits.blocked).first(hemisphere.count));
-
+  scene_.occluded(point.origin, hemisphere.rays, 0, std::span(work.blocked).first(hemisphere.count));
   work.blocked_directions.clear(), work.blocked_cosines.clear();
   work.visible_directions.clear(), work.visible_cosines.clear();
   for (std::size_t k = 0; k < hemisphere.count; ++k) {
-    const bool blocked = work.hits.blocked[k] != 0;
+    const bool blocked = work.blocked[k] != 0;
     (blocked ? work.blocked_directions : work.visible_directions).push_back(hemisphere.directions[k]);
     (blocked ? work.blocked_cosines : work.visible_cosines).push_back(hemisphere.cosines[k]);
   }
@@ -56,8 +54,33 @@ PointFigures ShadowPass::trace(const SurfacePoint& point,
   combine(point, result, work, figures);
   figures.buried =
       figures.rays > 0 && figures.blocked == figures.rays && isBuried(scene_, point.origin, point.normal);
-  if (options_.record_hits && !figures.buried) figures.seen = collectSeen(sides_from_behind, work, figures);
+  if (options_.record_hits && !figures.buried) {
+    traceBlocked(point, work);
+    figures.seen = collectSeen(sides_from_behind, work, figures);
+  }
+  if (options_.keep_blocked)
+    figures.blocked_rays.assign(work.blocked.begin(),
+                                work.blocked.begin() + static_cast<std::ptrdiff_t>(hemisphere.count));
   return figures;
+}
+
+// Nearest hits are dearer than any hit, so only the rays that are known to hit something look for theirs.
+void ShadowPass::traceBlocked(const SurfacePoint& point, Workspace& work) const {
+  const transport::RayBundle& rays = quadrature_.directions();
+  for (std::size_t k = 0; k < work.blocked_directions.size(); ++k) {
+    const std::uint32_t d = work.blocked_directions[k];
+    work.blocked_rays.set(k, {rays.x[d], rays.y[d], rays.z[d]});
+  }
+  scene_.nearestHits(point.origin, work.blocked_rays, 0, work.blocked_directions.size(), work.hits);
+}
+
+void ShadowPass::findHits(const SurfacePoint& point, const std::vector<bool>& blocked_rays,
+                          Workspace& work) const {
+  work.hemisphere.collect(quadrature_, point.normal);
+  work.blocked_directions.clear();
+  for (std::size_t k = 0; k < work.hemisphere.count; ++k)
+    if (blocked_rays[k]) work.blocked_directions.push_back(work.hemisphere.directions[k]);
+  traceBlocked(point, work);
 }
 
 // Puts closed form and quadrature together.
@@ -133,8 +156,8 @@ std::vector<SeenVertex> ShadowPass::collectSeen(std::span<const formats::Triangl
   for (const float cosine : work.hemisphere.usedCosines()) cosine_sum += cosine;
   const auto scale = static_cast<float>(1 / cosine_sum);
   work.seen_sides.clear();
-  for (std::size_t k = 0; k < work.hemisphere.count; ++k) {
-    if (work.hits.blocked[k] == 0) continue;
+  for (std::size_t k = 0; k < work.blocked_directions.size(); ++k) {
+    if (work.hits.blocked[k] == 0) continue;  // grazed an edge that the other query took
     const std::uint32_t triangle = work.hits.triangle[k];
     const formats::Triangle& corners =
         work.hits.back_face[k] != 0 ? sides_from_behind[triangle] : mesh_.triangles[triangle];
@@ -142,7 +165,7 @@ std::vector<SeenVertex> ShadowPass::collectSeen(std::span<const formats::Triangl
       ++figures.inside_hits;
       continue;
     }
-    const float weight = work.hemisphere.cosines[k] * scale, u = work.hits.u[k], v = work.hits.v[k];
+    const float weight = work.blocked_cosines[k] * scale, u = work.hits.u[k], v = work.hits.v[k];
     const std::array<float, 3> shares = {std::max(1 - u - v, 0.0f), u, v};
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const std::uint32_t side = corners[corner];

@@ -19,6 +19,7 @@ struct ShadowOptions {
   int visibility_order = 0;             // > 0: also visibility vectors of that order
   std::optional<VirtualSphere> sphere;  // also near-field vectors
   bool record_hits = false;             // also what the blocked rays hit, for interreflection
+  bool keep_blocked = false;            // also which rays were blocked, for findHits
 };
 
 // Weight that falls to one vertex of what a point sees. The back side of vertex v is v + vertex count.
@@ -32,7 +33,8 @@ struct PointFigures {
   std::uint32_t rays = 0, blocked = 0, inside_hits = 0;
   float quadrature_error = 0;
   bool buried = false;
-  std::vector<SeenVertex> seen;  // sorted by side; the weights add up to the blocked share
+  std::vector<SeenVertex> seen;    // sorted by side; the weights add up to the blocked share
+  std::vector<bool> blocked_rays;  // of the hemisphere's directions, in their order
 };
 struct PointTransfer {
   std::span<float> vector, near_vector, visibility;
@@ -50,10 +52,15 @@ class ShadowPass {
   PointFigures trace(const SurfacePoint& point, std::span<const formats::Triangle> sides_from_behind,
                      const PointTransfer& result, Workspace& work) const;
 
+  // Takes up a point again: the directions that `blocked_rays` says are blocked into work.blocked_directions,
+  // and what they hit into work.hits.
+  void findHits(const SurfacePoint& point, const std::vector<bool>& blocked_rays, Workspace& work) const;
+
   const Quadrature& quadrature() const { return quadrature_; }
   const formats::TriangleMesh& mesh() const { return mesh_; }
 
  private:
+  void traceBlocked(const SurfacePoint& point, Workspace& work) const;
   void combine(const SurfacePoint& point, const PointTransfer& result, Workspace& work,
                PointFigures& figures) const;
   void combineVisibility(const SurfacePoint& point, std::span<float> visibility, Workspace& work) const;
@@ -72,7 +79,9 @@ struct ShadowPass::Workspace {
   explicit Workspace(const ShadowPass& pass);
 
   Hemisphere hemisphere;
-  transport::HitBundle hits;
+  std::vector<std::uint8_t> blocked;  // of the hemisphere's directions
+  transport::RayBundle blocked_rays;  // the first blocked_directions.size() of them count
+  transport::HitBundle hits;          // likewise
   std::vector<std::uint32_t> blocked_directions, visible_directions;
   std::vector<float> blocked_cosines, visible_cosines, ones;
   std::vector<double> all_sums, blocked_sums;

@@ -71,15 +71,16 @@ class Baker {
       bakeUnshadowed();
     } else {
       const transport::RayScene scene(mesh_);
-      ShadowOptions shadow{options_.order, visibilityOrder(), sphere(),
-                           options_.transport == Transport::kInterreflected};
+      const bool interreflected = options_.transport == Transport::kInterreflected;
+      const ShadowOptions shadow{options_.order, visibilityOrder(), sphere(), interreflected,
+                                 interreflected && options_.glossy == Glossy::kMatrices};
       const ShadowPass pass(mesh_, scene, shadow, options_.directions);
       const auto start = Clock::now();
       traceFronts(pass);
       result_.shadow_s = secondsSince(start);
-      if (shadow.record_hits) bounce(pass);
+      if (interreflected) bounce(pass);
       finishVectors();
-      if (options_.glossy == Glossy::kMatrices) bakeMatrices(pass, scene);
+      if (options_.glossy == Glossy::kMatrices) bakeMatrices(pass);
     }
     if (options_.glossy != Glossy::kNone) result_.tangents = vertexTangents(mesh_);
     return std::move(result_);
@@ -227,7 +228,7 @@ class Baker {
     if (options_.glossy != Glossy::kNone) fill_.apply(result_.visibility, visibilitySize());
   }
 
-  void bakeMatrices(const ShadowPass& pass, const transport::RayScene& scene) {
+  void bakeMatrices(const ShadowPass& pass) {
     const auto start = Clock::now();
     const MatrixBaker baker(options_.row_order, options_.order);
     const std::vector<formats::Float4> tangents = vertexTangents(mesh_);
@@ -237,21 +238,21 @@ class Baker {
     const auto channel = [&](std::size_t v, int c) {
       return std::span(result_.matrices).subspan(v * width + c * size, size);
     };
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertex_count_, kPointsPerTask),
-                      [&](const auto& range) {
-                        std::optional<ShadowPass::Workspace> work;
-                        if (exit_) work.emplace(pass);
-                        for (std::size_t v = range.begin(); v < range.end(); ++v) {
-                          for (int c = 0; c < result_.channels; ++c)
-                            baker.fromVisibility(
-                                std::span(result_.visibility).subspan(v * visibilitySize(), visibilitySize()),
-                                channel(v, c));
-                          if (exit_ && !figures_[v].buried)
-                            addBouncedLight(pass, scene, points_[v], *exit_, sides_from_behind_, row_of_side_,
-                                            result_.channels, options_.row_order, options_.order, *work,
-                                            std::span(result_.matrices).subspan(v * width, width));
-                        }
-                      });
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, vertex_count_, kPointsPerTask), [&](const auto& range) {
+          std::optional<ShadowPass::Workspace> work;
+          if (exit_) work.emplace(pass);
+          for (std::size_t v = range.begin(); v < range.end(); ++v) {
+            for (int c = 0; c < result_.channels; ++c)
+              baker.fromVisibility(
+                  std::span(result_.visibility).subspan(v * visibilitySize(), visibilitySize()),
+                  channel(v, c));
+            if (exit_ && !figures_[v].buried)
+              addBouncedLight(pass, points_[v], figures_[v].blocked_rays, *exit_, sides_from_behind_,
+                              row_of_side_, result_.channels, options_.row_order, options_.order, *work,
+                              std::span(result_.matrices).subspan(v * width, width));
+          }
+        });
     // Neighbours lend buried vertices what they have in the object's frame, before each turns to its own.
     fill_.apply(result_.matrices, width);
     turnMatrices(baker, tangents);

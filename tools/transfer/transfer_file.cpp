@@ -73,7 +73,7 @@ void declare(stage::Tool& tool, TransferSettings& settings) {
                  "Rays for shadows; each vertex traces the half above its tangent plane")
       .parameter(
           "albedo", settings.albedo, {0, 1}, "",
-          "Interreflected: diffuse reflectance, linear red, green and blue, where no vertex_albedo is given")
+          "Interreflected: diffuse reflectance, linear red, green and blue, where the mesh has no colours")
       .parameter("threshold", options.interreflection.threshold, {1e-6, 1}, "share of all light",
                  "Interreflected: bounces go on until less than this can be missing")
       .parameter("bounces", options.interreflection.bounces, {0, 1000}, "",
@@ -111,28 +111,12 @@ formats::TriangleMesh readBakeableMesh(const std::filesystem::path& path) {
   if (mesh.normals.size() != mesh.vertexCount())
     throw badInput({path.string(), "", ""}, "has no normals", "properties nx, ny, nz at each vertex",
                    "run the mesh through simplify, which makes them");
+  for (std::size_t v = 0; v < mesh.colors.size(); ++v)
+    for (const float value : mesh.colors[v])
+      if (!(value >= 0 && value <= 1))
+        throw badInput({path.string(), "vertex " + std::to_string(v), ""},
+                       "its colour is " + std::to_string(value), "a linear albedo of 0 to 1");
   return mesh;
-}
-
-std::vector<Float3> readVertexAlbedo(const std::filesystem::path& path, const formats::TriangleMesh& mesh) {
-  if (path.empty()) return {};
-  const formats::TensorFile file = formats::readSafetensors(path);
-  const Tensor& table = file.require("albedo", ElementType::kFloat32, 2, path.string());
-  if (table.shape != std::vector<std::uint64_t>{mesh.vertexCount(), 3} ||
-      file.requireMetadata("mesh_hash", path.string()) != formats::geometryHash(mesh))
-    throw badInput({path.string(), "tensor albedo", ""}, "was made for another mesh",
-                   std::to_string(mesh.vertexCount()) + " × 3 values for the mesh given",
-                   "run the albedo tool for this mesh");
-  const auto values = table.as<float>();
-  std::vector<Float3> albedo(mesh.vertexCount());
-  for (std::size_t v = 0; v < albedo.size(); ++v)
-    for (std::size_t c = 0; c < 3; ++c) {
-      albedo[v][c] = values[3 * v + c];
-      if (!(albedo[v][c] >= 0 && albedo[v][c] <= 1))
-        throw badInput({path.string(), "tensor albedo, vertex " + std::to_string(v), ""},
-                       "is " + std::to_string(albedo[v][c]), "a reflectance of 0 to 1");
-    }
-  return albedo;
 }
 
 formats::TensorFile tensorFile(const formats::TriangleMesh& mesh, const TransferSettings& settings,

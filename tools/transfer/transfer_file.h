@@ -19,7 +19,7 @@ struct TransferSettings {
   std::string technique = "diffuse";  // or "glossy"
   std::string transport = "shadowed";
   std::string storage = "matrix";               // of glossy transfer; or "visibility", "cpca"
-  formats::Float3 albedo = {0.8F, 0.8F, 0.8F};  // where no albedo a vertex is given
+  formats::Float3 albedo = {0.8F, 0.8F, 0.8F};  // where the mesh has no colours
   bool near_field = false;
   double sphere_radius = 2;
   TransferOptions options;
@@ -35,11 +35,6 @@ TransferOptions bakeOptions(const TransferSettings& settings);
 
 // Throws Error(kBadInput) if the mesh has no vertex or no normals.
 formats::TriangleMesh readBakeableMesh(const std::filesystem::path& path);
-// The albedo tool's file: one colour a vertex. An empty path gives none. Throws Error(kBadInput) if it was
-// made for another mesh.
-std::vector<formats::Float3> readVertexAlbedo(const std::filesystem::path& path,
-                                              const formats::TriangleMesh& mesh);
-
 // The tensors and metadata that pack and inspect read (docs/FORMATS.md). `albedo` may be empty; `cpca` only
 // with that storage.
 formats::TensorFile tensorFile(const formats::TriangleMesh& mesh, const TransferSettings& settings,

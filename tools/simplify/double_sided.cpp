@@ -1,0 +1,36 @@
+#include "tools/simplify/double_sided.h"
+
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "transport/mesh_topology.h"
+
+namespace bakelight::simplify {
+
+std::uint64_t addBacks(formats::TriangleMesh& mesh) {
+  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  const std::vector<std::uint8_t> open = transport::openTriangles(mesh, transport::coincidentVertices(mesh));
+  std::vector<std::uint32_t> back_of(mesh.vertexCount(), kNone);
+  const std::size_t fronts = mesh.triangleCount();
+  for (std::size_t t = 0; t < fronts; ++t) {
+    if (open[t] == 0) continue;
+    formats::Triangle back = mesh.triangles[t];
+    for (std::uint32_t& v : back) {
+      if (back_of[v] == kNone) {
+        back_of[v] = static_cast<std::uint32_t>(mesh.vertexCount());
+        mesh.positions.push_back(formats::Float3(mesh.positions[v]));
+        const formats::Float3 normal = mesh.normals[v];
+        mesh.normals.push_back({-normal[0], -normal[1], -normal[2]});
+        if (!mesh.texcoords.empty()) mesh.texcoords.push_back(formats::Float2(mesh.texcoords[v]));
+        if (!mesh.colors.empty()) mesh.colors.push_back(formats::Float3(mesh.colors[v]));
+      }
+      v = back_of[v];
+    }
+    std::swap(back[1], back[2]);
+    mesh.triangles.push_back(back);
+  }
+  return mesh.triangleCount() - fronts;
+}
+
+}  // namespace bakelight::simplify

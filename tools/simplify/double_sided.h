@@ -1,0 +1,15 @@
+// Backs for sheets: cloth, leaves, paper.
+#pragma once
+
+#include <cstdint>
+
+#include "formats/triangle_mesh.h"
+
+namespace bakelight::simplify {
+
+// Appends a turned-over copy of each connected part that has an open border, with vertices and normals of its
+// own; closed parts stay as they are, as their inside is never seen. Vertices at the same place count as one,
+// so creases are no borders. Returns how many triangles were added.
+std::uint64_t addBacks(formats::TriangleMesh& mesh);
+
+}  // namespace bakelight::simplify
