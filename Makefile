@@ -7,7 +7,7 @@ ASSETS   ?= configs/assets/bunny
 RUN_ARGS ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help packages configure build tools assets pipeline play test test-asan test-tsan bench validate golden-update \
+.PHONY: help packages configure build tools assets pipeline play test test-asan test-tsan bench pictures validate golden-update \
         lint format clean
 
 help: ## List the targets
@@ -55,6 +55,9 @@ bench: build assets ## Run the benchmarks: figures as ratios against a rival or 
 validate: pipeline ## Check the pack with the Khronos glTF validator and assimp
 	@scripts/system-packages validate
 	@scripts/validate-pack $(OUT)/bunny/bunny.glb
+
+pictures: tools assets ## Make the pictures of the docs into docs/images/
+	@scripts/make-pictures $(BUILD)/bin docs/images
 
 golden-update: build ## Renew the golden outputs of one stage test: make golden-update CASE=name
 	@test -n "$(CASE)" || { echo "usage: make golden-update CASE=name; cases: $$(cd tests/stages && ls -d */ | tr -d / | tr '\n' ' ')"; exit 1; }
