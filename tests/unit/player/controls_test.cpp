@@ -29,6 +29,16 @@ TEST(Controls, LightFromTheFrontFollowsThePointer) {
   EXPECT_LT((worldFromLight(settings) * transport::Vec3::UnitZ()).y(), 0);
 }
 
+TEST(Controls, ObjectsFrontFollowsThePointer) {
+  FrameSettings settings;
+  dragObject(settings, 100, 0);
+  EXPECT_GT((worldFromObject(settings) * transport::Vec3::UnitZ()).x(), 0);
+  EXPECT_TRUE(worldFromLight(settings).isIdentity());
+  settings = {};
+  dragObject(settings, 0, 100);
+  EXPECT_LT((worldFromObject(settings) * transport::Vec3::UnitZ()).y(), 0);
+}
+
 TEST(Controls, ZoomGoesInAndOutByTheSameFactorWithinItsRange) {
   FrameSettings settings;
   zoom(settings, 1);

@@ -1,5 +1,6 @@
 #include "tools/player/lighting.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -42,6 +43,61 @@ TEST(Lighting, LightThatIsNotFiniteIsAnErrorThatNamesTheFile) {
     EXPECT_EQ(error.status(), ExitStatus::kBadInput);
     EXPECT_EQ(error.place().file, "broken.exr");
   }
+}
+
+formats::LightRig rigWithDisk() {
+  formats::LightRig rig;
+  rig.distant.emplace_back(formats::DiskLight{{0, 1, 0}, 15, {3, 2, 1}});
+  return rig;
+}
+
+TEST(Lighting, RigWithoutLightIsAnError) {
+  try {
+    lightingFromRig({}, 3, "dark.json");
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), ExitStatus::kBadInput);
+    EXPECT_EQ(error.place().file, "dark.json");
+  }
+}
+
+TEST(Lighting, EmittersAloneLeaveDistantLightDark) {
+  formats::LightRig rig;
+  rig.emitters.emplace_back();
+  const Lighting lighting = lightingFromRig(rig, 3, "near.json");
+  EXPECT_EQ(lighting.near.emitters.size(), 1u);
+  EXPECT_EQ(lighting.distant, transport::uniformLight(3, {0, 0, 0}));
+  EXPECT_EQ(transport::lookUpLatLong(lighting.backdrop, {0, 1, 0}), (formats::Float3{0, 0, 0}));
+}
+
+TEST(Lighting, WindowMovesEnergyButNotTheMean) {
+  formats::LightRig rig = rigWithDisk();
+  const Lighting sharp = lightingFromRig(rig, 5, "rig.json");
+  EXPECT_EQ(sharp.moved_energy, 0);
+  for (const double windowing : {-1.0, 0.01}) {
+    rig.windowing = windowing;
+    const Lighting soft = lightingFromRig(rig, 5, "rig.json");
+    EXPECT_GT(soft.window, 0);
+    EXPECT_GT(soft.moved_energy, 0);
+    EXPECT_LT(soft.moved_energy, 1);
+    EXPECT_EQ(soft.distant[0], sharp.distant[0]);
+    EXPECT_LT(std::abs(soft.distant[20][0]), std::abs(sharp.distant[20][0]));
+  }
+}
+
+TEST(Lighting, WindowOfAnImageIsThatOfTheSameLightInARig) {
+  formats::Image image(64, 32, {"R", "G", "B"});
+  for (int x = 20; x < 24; ++x) std::fill_n(image.texel(x, 9), 3, 50.0F);
+  const Lighting from_image = lightingFromImage(image, 5, "spot.exr", -1);
+  formats::LightRig rig;
+  formats::EnvironmentLight environment;
+  environment.image = image;
+  rig.distant.emplace_back(environment);
+  rig.windowing = -1;
+  const Lighting from_rig = lightingFromRig(rig, 5, "rig.json");
+  EXPECT_GT(from_image.window, 0);
+  EXPECT_NEAR(from_image.window, from_rig.window, 1e-3 * from_rig.window);
+  EXPECT_NEAR(from_image.moved_energy, from_rig.moved_energy, 1e-3);
 }
 
 }  // namespace

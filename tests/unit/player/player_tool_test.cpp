@@ -1,6 +1,7 @@
 // The executable itself: files in, files out, exit status.
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
@@ -101,6 +102,54 @@ TEST_F(PlayerTool, EnvironmentThatIsNoProbeIsBadInput) {
   const Outcome outcome = play("--pack sphere.glb --environment square.exr --image frame.png");
   EXPECT_EQ(outcome.status, static_cast<int>(ExitStatus::kBadInput));
   EXPECT_THAT(outcome.messages, testing::HasSubstr("square.exr"));
+}
+
+TEST_F(PlayerTool, RigAndEnvironmentAddUpAndSayWhatTheWindowTook) {
+  const auto write = [&](const std::string& name, const std::string& json) {
+    formats::writeFileAtomically(folder_ / name, json);
+  };
+  formats::Image sky(32, 16, {"R", "G", "B"});
+  std::ranges::fill(sky.values, 0.25F);
+  formats::writeExr(folder_ / "sky.exr", sky, formats::ExrPrecision::kFloat);
+  write("disk.json", R"({"lights": [{"type": "disk", "half_angle_deg": 20, "radiance": [2, 2, 2]}]})");
+  write("both.json", R"({"lights": [{"type": "disk", "half_angle_deg": 20, "radiance": [2, 2, 2]},
+                                    {"type": "environment", "image": "sky.exr"}]})");
+  const std::string frame = "--pack sphere.glb --width 64 --height 64 --background black ";
+  ASSERT_EQ(play(frame + "--lights both.json --image a.png").status, 0);
+  ASSERT_EQ(play(frame + "--lights disk.json --environment sky.exr --image b.png").status, 0);
+  EXPECT_EQ(formats::readFile(folder_ / "a.png"), formats::readFile(folder_ / "b.png"));
+
+  ASSERT_EQ(play(frame + "--lights disk.json --windowing 0.02 --image c.png --stats stats.json").status, 0);
+  const formats::Json stats = formats::readJson(folder_ / "stats.json")["stats"];
+  EXPECT_EQ(stats["window"], 0.02);
+  EXPECT_GT(stats["moved_energy"].get<double>(), 0);
+  EXPECT_EQ(stats["storage"], "none");
+  EXPECT_EQ(stats["precision"], "float32");
+  EXPECT_FALSE(stats.contains("cube_ms"));
+}
+
+TEST_F(PlayerTool, EmittersMoveWithTime) {
+  formats::writeFileAtomically(folder_ / "near.json",
+                               R"({"emitters": [{"shape": "sphere", "position": [2, 0, 0], "radius": 0.4,
+                                   "motion": {"kind": "orbit", "axis": [0, 1, 0], "period_s": 4}}]})");
+  const std::string frame = "--pack sphere.glb --lights near.json --width 64 --height 64 ";
+  ASSERT_EQ(play(frame + "--image start.png --stats stats.json").status, 0);
+  EXPECT_GT(formats::readJson(folder_ / "stats.json")["stats"]["cube_ms"].get<double>(), 0);
+  ASSERT_EQ(play(frame + "--time-s 1 --image later.png").status, 0);
+  ASSERT_EQ(play(frame + "--time-s 4 --image period.png").status, 0);
+  EXPECT_NE(formats::readFile(folder_ / "start.png"), formats::readFile(folder_ / "later.png"));
+  EXPECT_EQ(formats::readFile(folder_ / "start.png"), formats::readFile(folder_ / "period.png"));
+}
+
+TEST_F(PlayerTool, BadRigIsBadInputThatNamesThePlace) {
+  formats::writeFileAtomically(folder_ / "dark.json", R"({"lights": []})");
+  formats::writeFileAtomically(folder_ / "typo.json", R"({"emitters": [{"shape": "sphere", "radus": 1}]})");
+  for (const auto& [file, word] : {std::pair{"dark.json", "light"}, {"typo.json", "/emitters/0/radus"}}) {
+    const Outcome outcome = play(std::string("--pack sphere.glb --image frame.png --lights ") + file);
+    EXPECT_EQ(outcome.status, static_cast<int>(ExitStatus::kBadInput)) << outcome.messages;
+    EXPECT_THAT(outcome.messages, testing::AllOf(testing::HasSubstr(file), testing::HasSubstr(word)));
+    EXPECT_FALSE(fs::exists(folder_ / "frame.png"));
+  }
 }
 
 TEST_F(PlayerTool, NoDisplayIsSaidWithTheWayRound) {

@@ -140,6 +140,38 @@ TEST_F(RendererTest, LightFromTheRightLightsTheRight) {
   EXPECT_GT(linear.texel(15, 50)[0], 4 * std::abs(linear.texel(85, 50)[0]));
 }
 
+TEST_F(RendererTest, TurnedObjectUnderUniformLightShowsItsOtherSide) {
+  // Vertex colours tell the sides apart: red at +X, green at −X.
+  formats::Pack pack = spherePack(3, 32);
+  for (const auto& normal : pack.mesh.normals)
+    pack.colors.push_back({normal[0] > 0 ? 1.0f : 0.0f, normal[0] > 0 ? 0.0f : 1.0f, 0});
+  Renderer renderer(pack, uniformLighting(3, 1));
+  FrameSettings settings{.width_px = 33, .height_px = 33, .yaw_deg = 90, .pitch_deg = 0};
+  renderer.draw(settings);
+  EXPECT_NEAR(renderer.target().linearImage().texel(16, 16)[0], 1, 1e-3);
+  settings.object_yaw_deg = 180;
+  renderer.draw(settings);
+  EXPECT_NEAR(renderer.target().linearImage().texel(16, 16)[0], 0, 1e-3);
+  EXPECT_NEAR(renderer.target().linearImage().texel(16, 16)[1], 1, 1e-3);
+}
+
+TEST_F(RendererTest, LightStaysWhenTheObjectTurns) {
+  // A sphere looks the same however it is turned.
+  formats::Image image(64, 32, {"R", "G", "B"});
+  addPatch(image, {1, 0.4, 0.3}, {100, 60, 30});
+  Renderer renderer(spherePack(4, 64), lightingFromImage(image, 4, "sun"));
+  FrameSettings settings{.width_px = 48, .height_px = 48, .background = Background::kTransparent};
+  renderer.draw(settings);
+  const auto before = renderer.target().linearImage();
+  settings.object_yaw_deg = 50;
+  settings.object_pitch_deg = -70;
+  renderer.draw(settings);
+  const auto after = renderer.target().linearImage();
+  for (const int x : {12, 20, 24, 30, 36})
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(after.texel(x, 24)[c], before.texel(x, 24)[c], 0.01 * before.texel(30, 24)[0] + 1e-3) << x;
+}
+
 TEST_F(RendererTest, MeshFarFromTheOriginLooksTheSame) {
   formats::Pack near_pack = spherePack(3, 32), far_pack = near_pack;
   // Steps of 1/8 are exact at an offset of 1e6, so both meshes have the same shape.
