@@ -1,0 +1,50 @@
+// Isotropic BRDFs, projected into spherical harmonics for glossy transfer (Kautz, Sloan & Snyder 2002; Sloan,
+// Kautz & Snyder 2002, section 5).
+//
+// Directions are in the local frame, normal along +z, and point away from the surface.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "formats/pack_contents.h"
+#include "formats/tensors.h"
+#include "transport/vector_types.h"
+
+namespace bakelight::brdf {
+
+using transport::Vec3;
+
+// Red, green and blue reflectance per steradian for light from `incident` leaving towards `outgoing`, both
+// with z ≥ 0. Isotropic: unchanged when both turn about z, or are mirrored. Called from several threads at
+// once.
+using Brdf = std::function<Vec3(const Vec3& incident, const Vec3& outgoing)>;
+
+// ρ/π.
+Brdf lambert(const Vec3& diffuse_color);
+// Lambert plus ρ_s (n + 2)/2π · max(cos α, 0)^n around the mirror direction: reciprocal and energy-conserving
+// where ρ_d + ρ_s ≤ 1 (Lafortune & Willems 1994). Exponent ≥ 0.
+Brdf phong(const Vec3& diffuse_color, const Vec3& specular_color, double exponent);
+// Lambert plus a microfacet lobe: GGX with alpha = roughness², height-correlated Smith shadowing, Schlick's
+// Fresnel term from `specular_color` at normal incidence (Walter et al. 2007; Heitz 2014). Roughness > 0.
+Brdf ggx(const Vec3& diffuse_color, const Vec3& specular_color, double roughness);
+
+struct Projection {
+  formats::BrdfTable table;
+  // What of a uniform sky of 1 leaves towards the eye, a row of the table:
+  // ∫ f cos θ ds. By reciprocity also the albedo for light from there: above 1, the BRDF makes energy.
+  std::vector<Vec3> albedo;
+  double residual =
+      0;  // largest change of a coefficient at the last refinement, over the largest coefficient
+};
+
+// Row a: the eye at cos θ = a / (angles − 1), azimuth 0; orders 1–10, angles ≥ 2. Gauss–Legendre on panels
+// that shrink towards the mirror direction, refined until no coefficient moves by more than `tolerance` of
+// the largest one, or for the last time. Throws std::invalid_argument for a BRDF that is not finite. Cost:
+// angles × some 10,000 to 300,000 evaluations, on all TBB threads.
+Projection project(const Brdf& brdf, int order, int angles, double tolerance = 1e-6);
+
+// The file that `pack` reads (docs/FORMATS.md).
+formats::TensorFile tensorFile(const formats::BrdfTable& table);
+
+}  // namespace bakelight::brdf
