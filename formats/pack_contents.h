@@ -79,7 +79,7 @@ struct RadianceTransfer {
 
 struct Pack {
   std::string name;               // of the asset
-  TriangleMesh mesh;              // with normals
+  TriangleMesh mesh;              // with normals; its own colours are not written
   Float3 base_color = {1, 1, 1};  // diffuse albedo, linear, 0–1; multiplied by `colors` where there are any
   std::vector<Float3> colors;     // empty, or an albedo a vertex, linear, 0–1
   RadianceTransfer transfer;

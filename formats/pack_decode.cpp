@@ -169,7 +169,7 @@ class PackReader {
     RadianceTransfer transfer;
     transfer.order = orderAt(kExtension + "/order");
     transfer.transport = glb_.textAt(kExtension + "/visibility");
-    const auto columns = static_cast<std::size_t>(transfer.order * transfer.order);
+    const auto order = static_cast<std::size_t>(transfer.order), columns = order * order;
     require(kExtension + "/coefficientsPerVertex", columns);
     EncodedTable& vectors = transfer.vectors;
     vectors.rows = vertex_count;
@@ -258,9 +258,9 @@ class PackReader {
     BrdfTable table;
     table.order = orderAt(pointer + "/order");
     table.angles = intAt(pointer + "/angles", 2, kMaxAngles);
-    const auto coefficients = static_cast<std::uint64_t>(table.order * table.order);
+    const auto order = static_cast<std::uint64_t>(table.order);
     table.values = readValues<float>(pointer + "/bufferView",
-                                     static_cast<std::uint64_t>(table.angles) * 3 * coefficients);
+                                     static_cast<std::uint64_t>(table.angles) * 3 * order * order);
     return table;
   }
 

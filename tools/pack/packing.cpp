@@ -28,10 +28,11 @@ void requireSameMesh(const TensorSource& source, const formats::TriangleMesh& me
 // The albedo that interreflection was baked with, one for all or one a vertex; else the mesh's colours, else
 // what the pack has already.
 void takeAlbedo(const TensorSource& source, formats::Pack& pack) {
+  auto mesh_colors = std::exchange(pack.mesh.colors, {});  // a pack has them outside of its mesh
   if (!source.has("albedo")) {
-    if (pack.mesh.colors.empty()) return;
+    if (mesh_colors.empty()) return;
     pack.base_color = {1, 1, 1};
-    pack.colors = pack.mesh.colors;
+    pack.colors = std::move(mesh_colors);
     return;
   }
   const Tensor& tensor = source.tensor("albedo", 2);

@@ -177,6 +177,7 @@ TEST(Packing, TheMeshsColoursWinOverTheParameter) {
   const Pack pack = assemblePack(mesh, transfer, nullptr, {}, kNames);
   EXPECT_EQ(pack.base_color, (Float3{1, 1, 1}));
   EXPECT_EQ(pack.colors, mesh.colors);
+  EXPECT_TRUE(pack.mesh.colors.empty());
   transfer.tensors["albedo"] =
       Tensor::from<float>(ElementType::kFloat32, {1, 3}, std::vector<float>{0.5F, 0.25F, 0.125F});
   const Pack baked = assemblePack(mesh, transfer, nullptr, {}, kNames);
