@@ -1,5 +1,6 @@
 #include "transport/glossy_evaluator.h"
 
+#include <hwy/cache_control.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -10,14 +11,21 @@
 namespace bakelight::transport {
 namespace {
 
-// Rows of a tile whose vertices do not lie side by side, or that is not full.
-void gatherRows(std::span<const float> rows, std::size_t row_count, std::span<const std::uint32_t> vertices,
-                float* gathered) {
+// Rows of coefficients lie far apart, which hardware does not foresee: asks for those of a tile ahead.
+void prefetchRows(std::span<const float> rows, std::size_t row_count, std::size_t vertex) {
   const std::size_t stride = rows.size() / row_count;
-  for (std::size_t lane = 0; lane < vertices.size(); ++lane) {
-    const float* source = &rows[vertices[lane]];
-    for (std::size_t i = 0; i < row_count; ++i) gathered[i * kTile + lane] = source[i * stride];
+  for (std::size_t i = 0; i < row_count; ++i) hwy::Prefetch(rows.data() + i * stride + vertex);
+}
+
+// Kept between calls: to allocate takes longer than to evaluate a tile. `size` is a multiple of kTile.
+float* threadScratch(std::size_t size) {
+  thread_local AlignedFloats scratch;
+  thread_local std::size_t capacity = 0;
+  if (size > capacity) {
+    scratch = AlignedFloats(size);
+    capacity = size;
   }
+  return scratch.data();
 }
 
 }  // namespace
@@ -30,10 +38,10 @@ struct GlossyEvaluator::Implementation {
   void forEachTile(const LightTables& light, std::size_t size, const Visit& visit) const {
     const std::vector<TileRange>& ranges = tiles->ranges();
     tbb::parallel_for(std::size_t{0}, ranges.size(), [&](std::size_t r) {
-      AlignedFloats scratch(tiles->scratchSize()), own(size);
-      tiles->beginRange(ranges[r], light, scratch.data());
-      for (std::size_t tile = ranges[r].begin; tile < ranges[r].end; ++tile)
-        visit(tile, scratch.data(), own.data());
+      float* own = threadScratch(size + tiles->scratchSize());
+      float* scratch = own + size;
+      tiles->beginRange(ranges[r], light, scratch);
+      for (std::size_t tile = ranges[r].begin; tile < ranges[r].end; ++tile) visit(tile, scratch, own);
     });
   }
 };
@@ -68,21 +76,22 @@ void GlossyEvaluator::shade(std::span<const Float3> light, std::span<const float
   if (rows.size() != row_count * count || radiance.size() != count)
     throw std::invalid_argument("GlossyEvaluator: rows or radiance do not fit the vertices");
   const LightTables tables = tiles.prepare(light);
-  const std::size_t gathered_size = row_count * kTile;
-  implementation_->forEachTile(tables, gathered_size + 3 * kTile,
-                               [&](std::size_t tile, float* scratch, float* own) {
-                                 float *gathered = own, *result = own + gathered_size;
-                                 const std::span<const std::uint32_t> vertices = tiles.vertices(tile);
-                                 TileRows tile_rows{&rows[vertices[0]], count};
-                                 if (vertices.size() < kTile || !tiles.isContiguous()) {
-                                   gatherRows(rows, row_count, vertices, gathered);
-                                   tile_rows = {gathered, kTile};
-                                 }
-                                 tiles.shade(tile, tables, tile_rows, scratch, result);
-                                 for (std::size_t lane = 0; lane < vertices.size(); ++lane)
-                                   for (std::size_t c = 0; c < 3; ++c)
-                                     radiance[vertices[lane]][c] = result[c * kTile + lane];
-                               });
+  const std::size_t gathered_size = row_count * kGatherPitch;
+  implementation_->forEachTile(
+      tables, gathered_size + 3 * kTile, [&](std::size_t tile, float* scratch, float* own) {
+        float *gathered = own, *result = own + gathered_size;
+        const std::span<const std::uint32_t> vertices = tiles.vertices(tile);
+        TileRows tile_rows{gathered, kGatherPitch};
+        if (tiles.isContiguous() && vertices.size() == kTile) {
+          tile_rows = {&rows[vertices[0]], count};
+          prefetchRows(rows, row_count, std::min<std::size_t>(vertices[0] + 2 * kTile - 1, count - 1));
+        } else {
+          tiles.gatherRows(tile, rows, gathered);
+        }
+        tiles.shade(tile, tables, tile_rows, scratch, result);
+        for (std::size_t lane = 0; lane < vertices.size(); ++lane)
+          radiance[vertices[lane]] = {result[lane], result[kTile + lane], result[2 * kTile + lane]};
+      });
 }
 
 std::size_t GlossyEvaluator::tableBytes() const {

@@ -35,10 +35,12 @@ struct TileValues {
   const float* scale;
 };
 
-// Sums of equal length.
+// Batches of `batch` sums over the same `length` sources: a source list a batch, and its factors as
+// [source][sum].
 struct SumGroup {
-  std::uint32_t sums, length;
+  std::uint32_t batches, batch, length;
 };
+constexpr std::size_t kSumBatch = 4;  // at most
 
 // Rows of the tile's vertices: row i at rows + i · stride, 16 readable lanes.
 struct TileRows {
@@ -69,7 +71,7 @@ struct Kernels {
   void (*transferSlots)(const float* lanes, const std::uint16_t* slots, MatrixShape shape, const float* light,
                         int first_color, int last_color, float* transferred);
 
-  // result[s] = Σ_e factor[e] · lanes[source[e]]: sparse sums, those of a group one after the other.
+  // result[s] = Σ_e factor[e][s] · lanes[source[e]]: sparse sums, those of a group one after the other.
   void (*sparseSums)(const SumGroup* groups, std::size_t group_count, const std::uint16_t* source,
                      const float* factor, const float* lanes, float* result);
 

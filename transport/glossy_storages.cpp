@@ -77,6 +77,14 @@ void forEachChannel(int channels, const Visit& visit) {
   for (int channel = 0; channel < channels; ++channel) visit(channel, channel, channel + 1);
 }
 
+// The tile's entries as numbers: where they are, or in `scratch`.
+const float* decoded(const TileTable& table, std::size_t tile, float* scratch) {
+  const TileValues values = table.at(tile);
+  if (table.precision == Precision::kFloat32) return reinterpret_cast<const float*>(values.data);
+  kernels().decode(values, table.offset.data(), table.entries, scratch);
+  return scratch;
+}
+
 // One matrix a vertex, read once and multiplied by the row and then by the light.
 class MatrixTiles final : public GlossyTiles {
  public:
@@ -119,16 +127,18 @@ class MatrixTiles final : public GlossyTiles {
 
   void transfer(std::size_t tile, const LightTables& light, float* scratch,
                 float* transferred) const override {
-    kernels().decode(table_.at(tile), table_.offset.data(), table_.entries, scratch);
+    const float* matrices = decoded(table_, tile, scratch);
     forEachChannel(channels_, [&](int channel, int first_color, int last_color) {
-      kernels().transferSlots(scratch + channel * cells_ * kTile, nullptr, shape_, light.light.data(),
+      kernels().transferSlots(matrices + channel * cells_ * kTile, nullptr, shape_, light.light.data(),
                               first_color, last_color, transferred);
     });
   }
 
   std::size_t tableBytes() const override { return table_bytes_; }
   double multiplyAdds() const override {
-    return static_cast<double>(vertexCount() * (table_.entries + 3 * shape_.columns));
+    // Codes are scaled one by one, as each cell has a scale of its own; their offsets meet the light first.
+    const std::size_t of_codes = offset_.empty() ? 0 : table_.entries + 3 * shape_.rows;
+    return static_cast<double>(vertexCount() * (table_.entries + of_codes + 3 * shape_.columns));
   }
 
  private:
@@ -177,39 +187,64 @@ class VisibilityTiles final : public GlossyTiles {
   std::size_t tableBytes() const override { return table_bytes_; }
   double multiplyAdds() const override {
     return static_cast<double>(vertexCount() *
-                               (factor_.size() + shape_.rows * shape_.columns + 3 * shape_.columns));
+                               (sum_terms_ + shape_.rows * shape_.columns + 3 * shape_.columns));
   }
 
  private:
+  // Cells of equal k, such as those of cos mφ · cos nφ and sin mφ · sin nφ, are summed up together.
+  struct Batch {
+    std::vector<std::uint16_t> sources;
+    std::vector<std::uint32_t> cells;
+  };
+
   void planSums(const TripleProduct& product) {
-    struct Sum {
-      std::size_t first, length;
-      std::uint32_t cell;
-    };
-    const auto entries = product.entries();
     const std::size_t square = std::min(shape_.rows, shape_.columns);
-    std::vector<Sum> sums;
+    std::map<std::uint32_t, std::vector<float>> factors_of_cell;
+    std::map<std::vector<std::uint16_t>, std::vector<std::uint32_t>> cells_of_sources;
+    const auto entries = product.entries();
     for (std::size_t first = 0, end = 0; first < entries.size(); first = end) {
       const auto& head = entries[first];
-      while (end < entries.size() && entries[end].i == head.i && entries[end].j == head.j) ++end;
-      if (head.j < head.i && head.i < square) continue;  // the mirrored cell serves
-      sums.push_back({first, end - first, static_cast<std::uint32_t>(head.i * shape_.columns + head.j)});
-    }
-    // Loops of equal length one after the other spare the processor wrong guesses of where they end.
-    std::ranges::stable_sort(sums, {}, &Sum::length);
-
-    sum_count_ = sums.size();
-    std::map<std::uint32_t, std::uint16_t> slot_of_cell;
-    for (const Sum& sum : sums) {
-      slot_of_cell[sum.cell] = static_cast<std::uint16_t>(slot_of_cell.size());
-      if (groups_.empty() || groups_.back().length != sum.length)
-        groups_.push_back({0, static_cast<std::uint32_t>(sum.length)});
-      ++groups_.back().sums;
-      for (const auto& entry : entries.subspan(sum.first, sum.length)) {
-        source_.push_back(entry.k);
-        factor_.push_back(entry.value);
+      const auto cell = static_cast<std::uint32_t>(head.i * shape_.columns + head.j);
+      std::vector<std::uint16_t> sources;
+      std::vector<float> factors;
+      for (; end < entries.size() && entries[end].i == head.i && entries[end].j == head.j; ++end) {
+        sources.push_back(entries[end].k);
+        factors.push_back(entries[end].value);
       }
+      if (head.j < head.i && head.i < square) continue;  // the mirrored cell serves
+      sum_terms_ += factors.size();
+      factors_of_cell[cell] = std::move(factors);
+      cells_of_sources[std::move(sources)].push_back(cell);
     }
+
+    std::vector<Batch> batches;
+    for (const auto& [sources, cells] : cells_of_sources)
+      for (std::size_t first = 0; first < cells.size(); first += kSumBatch)
+        batches.push_back(
+            {sources, {cells.begin() + first, cells.begin() + std::min(first + kSumBatch, cells.size())}});
+    // Loops of equal length one after the other spare the processor wrong guesses of where they end.
+    std::ranges::stable_sort(
+        batches, {}, [](const Batch& batch) { return std::pair(batch.cells.size(), batch.sources.size()); });
+    layOut(batches, factors_of_cell);
+  }
+
+  void layOut(const std::vector<Batch>& batches,
+              const std::map<std::uint32_t, std::vector<float>>& factors_of_cell) {
+    std::map<std::uint32_t, std::uint16_t> slot_of_cell;
+    for (const auto& [sources, cells] : batches) {
+      const SumGroup alike{0, static_cast<std::uint32_t>(cells.size()),
+                           static_cast<std::uint32_t>(sources.size())};
+      if (groups_.empty() || groups_.back().batch != alike.batch || groups_.back().length != alike.length)
+        groups_.push_back(alike);
+      ++groups_.back().batches;
+      source_.insert(source_.end(), sources.begin(), sources.end());
+      for (std::size_t e = 0; e < sources.size(); ++e)
+        for (const std::uint32_t cell : cells) factor_.push_back(factors_of_cell.at(cell)[e]);
+      for (const std::uint32_t cell : cells)
+        slot_of_cell[cell] = static_cast<std::uint16_t>(slot_of_cell.size());
+    }
+    sum_count_ = slot_of_cell.size();
+    const std::size_t square = std::min(shape_.rows, shape_.columns);
     for (const std::uint32_t cell : cellsInColumnBlocks(shape_)) {
       const std::size_t i = cell / shape_.columns, j = cell % shape_.columns;
       const bool mirrored = j < i && i < square;
@@ -219,17 +254,17 @@ class VisibilityTiles final : public GlossyTiles {
 
   const float* expand(std::size_t tile, float* scratch) const {
     float* sums = scratch + table_.entries * kTile;
-    kernels().decode(table_.at(tile), table_.offset.data(), table_.entries, scratch);
-    kernels().sparseSums(groups_.data(), groups_.size(), source_.data(), factor_.data(), scratch, sums);
+    const float* visibility = decoded(table_, tile, scratch);
+    kernels().sparseSums(groups_.data(), groups_.size(), source_.data(), factor_.data(), visibility, sums);
     return sums;
   }
 
   TileTable table_;
   std::size_t table_bytes_;
-  std::size_t sum_count_ = 0;
+  std::size_t sum_count_ = 0, sum_terms_ = 0;
   std::vector<SumGroup> groups_;
-  std::vector<std::uint16_t> source_;  // k of each entry
-  std::vector<float> factor_;          // Γ_ijk of each entry
+  std::vector<std::uint16_t> source_;  // k of each batch
+  std::vector<float> factor_;          // Γ_ijk, see SumGroup
   std::vector<std::uint16_t> slots_;   // the sum of each cell in blocks of columns
 };
 
@@ -331,9 +366,7 @@ class CpcaTiles final : public GlossyTiles {
   }
 
   const float* decodedWeights(std::size_t tile, float* scratch) const {
-    float* weights = scratch + productSize();
-    kernels().decode(weights_.at(tile), weights_.offset.data(), components_, weights);
-    return weights;
+    return decoded(weights_, tile, scratch + productSize());
   }
 
   TileTable weights_;

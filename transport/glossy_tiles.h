@@ -54,6 +54,9 @@ struct LightTables {
   AlignedFloats lanes;    // [j][3][row lane], see Kernels::multiplyBasis; kCpca only
 };
 
+// Room for the pieces that gatherRows copies to end beyond the last lane.
+constexpr std::size_t kGatherPitch = 2 * kTile;
+
 // Tiles that are worked on together, all of one cluster in kCpca.
 struct TileRange {
   std::size_t begin, end;
@@ -71,6 +74,9 @@ class GlossyTiles {
   std::span<const std::uint32_t> vertices(std::size_t tile) const {
     return {&vertices_[tile * kTile], counts_[tile]};
   }
+  // Rows of the tile's vertices, wherever those lie: row i at gathered + i · kGatherPitch, for kGatherPitch ·
+  // rows floats. `rows` holds row_count × n.
+  void gatherRows(std::size_t tile, std::span<const float> rows, float* gathered) const;
   // Whether a tile's vertices are neighbours in the mesh's order.
   bool isContiguous() const { return contiguous_; }
 
@@ -105,8 +111,12 @@ class GlossyTiles {
   int channels_ = 1;
 
  private:
+  void findPieces(std::size_t tile);
+
   std::vector<std::uint32_t> vertices_;  // [tile][lane]
   std::vector<std::uint8_t> counts_;     // of a tile
+  std::vector<std::uint8_t> pieces_;  // [tile][≤ 16]: lanes at which neighbours in the mesh's order begin
+  std::vector<std::uint8_t> piece_counts_;
   std::vector<TileRange> ranges_;
   bool contiguous_ = true;
 };
