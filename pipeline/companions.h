@@ -1,4 +1,5 @@
-// Files that a file refers to and that belong to its content: the buffers and images of a .gltf.
+// Files that a file refers to and that belong to its content: the buffers and images of a .gltf, the images
+// and meshes of a light rig (.json).
 #pragma once
 
 #include <filesystem>
@@ -10,8 +11,8 @@
 namespace bakelight::pipeline {
 
 // Content hash of an input file and of all that it refers to. For a file that stands alone it is
-// Memo::hashOf. What is referred to and missing, or a .gltf that is no JSON, is left for the tool to report.
-// Throws Error(kBadInput) if `path` itself cannot be read.
+// Memo::hashOf. What is referred to and missing, or a file that should be JSON and is not, is left for the
+// tool to report. Throws Error(kBadInput) if `path` itself cannot be read.
 std::string hashWithCompanions(const std::filesystem::path& path, const Disk& disk, Memo& memo);
 
 }  // namespace bakelight::pipeline

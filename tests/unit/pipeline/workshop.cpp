@@ -35,8 +35,8 @@ Workshop::Workshop() {
 
 void Workshop::installAll() {
   // Upper case does not matter to simplify, which is how a change of its input can leave its output the same.
-  runner.install("simplify", {description("simplify", {port("mesh", "mesh")}, {port("simplified", "mesh")},
-                                          {integer("triangles", 100, 1, 1000)}),
+  runner.install("simplify", {description("simplify", {port("mesh", "mesh"), port("texture", "image", false)},
+                                          {port("simplified", "mesh")}, {integer("triangles", 100, 1, 1000)}),
                               [](const auto& inputs, const Json& parameters) {
                                 std::string text = inputs.at("mesh");
                                 for (char& c : text) c = static_cast<char>(std::tolower(c));
@@ -60,7 +60,9 @@ void Workshop::installAll() {
          return std::map<std::string, std::string>{
              {"pack", parameters.at("name").dump() + inputs.at("mesh") + inputs.at("transfer")}};
        }});
-  runner.install("player", {description("player", {port("pack", "pack"), port("environment", "image", false)},
+  runner.install("player", {description("player",
+                                        {port("pack", "pack"), port("environment", "image", false),
+                                         port("lights", "light_rig", false)},
                                         {port("image", "image", false)}, Json::array()),
                             [](const auto& inputs, const Json&) {
                               const auto sky = inputs.find("environment");

@@ -79,7 +79,13 @@ TEST(Colors, FineTexturesAreFiltered) {
     for (int x = 0; x < 251; ++x)
       for (int c = 0; c < 3; ++c) texture.texel(x, y)[c] = (x / 2 + y / 2) % 2 == 0 ? 1.0f : 0.0f;
   const TriangleMesh target = square(4);
-  for (const auto& color : carryAlbedo(target, &texture, target, "x.obj")) EXPECT_NEAR(color[0], 0.5, 0.2);
+  const auto albedo = carryAlbedo(target, &texture, target, "x.obj");
+  double mean = 0;
+  for (const auto& color : albedo) {
+    EXPECT_NEAR(color[0], 0.5, 0.3);  // some dozens of samples a vertex, fewest at the corners
+    mean += color[0] / static_cast<double>(albedo.size());
+  }
+  EXPECT_NEAR(mean, 0.5, 0.05);
 }
 
 TEST(Colors, ATextureNeedsTextureCoordinates) {
