@@ -177,7 +177,7 @@ HWY_INLINE void sumBatch(const std::uint16_t* source, const float* factor, std::
 #pragma GCC unroll 4
     for (std::size_t s = 0; s < kSums; ++s) sums[s] = hn::Zero(kFloats);
     for (std::size_t e = 0; e < length; ++e) {
-      const Vector value = hn::Load(kFloats, lanes + source[e] * kTile + lane);
+      const Vector value = hn::Load(kFloats, lanes + source[e] + lane);
 #pragma GCC unroll 4
       for (std::size_t s = 0; s < kSums; ++s)
         sums[s] = hn::MulAdd(value, hn::Set(kFloats, factor[e * kSums + s]), sums[s]);
@@ -308,9 +308,72 @@ void transferCluster(const float* product, std::size_t components, const float* 
       });
 }
 
+#if HWY_TARGET == HWY_SCALAR
+
+void scatterRows(TileRows rows, std::size_t row_count, const std::uint32_t* positions, std::size_t pitch,
+                 float* by_vertex) {
+  for (std::size_t lane = 0; lane < kTile; ++lane)
+    for (std::size_t i = 0; i < row_count; ++i)
+      by_vertex[positions[lane] * pitch + i] = rows.rows[i * rows.stride + lane];
+}
+
+void gatherRows(const float* by_vertex, std::size_t pitch, float* rows) {
+  for (std::size_t lane = 0; lane < kTile; ++lane)
+    for (std::size_t i = 0; i < pitch; ++i) rows[i * kTile + lane] = by_vertex[lane * pitch + i];
+}
+
+#else
+
+using Quad = hn::FixedTag<float, 4>;
+
+// columns[c][r] = rows[r][c]
+HWY_INLINE void transpose(const hn::Vec<Quad> (&rows)[4], hn::Vec<Quad> (&columns)[4]) {
+  const Quad quad;
+  const auto even_low = hn::InterleaveLower(quad, rows[0], rows[2]),
+             even_high = hn::InterleaveUpper(quad, rows[0], rows[2]);
+  const auto odd_low = hn::InterleaveLower(quad, rows[1], rows[3]),
+             odd_high = hn::InterleaveUpper(quad, rows[1], rows[3]);
+  columns[0] = hn::InterleaveLower(quad, even_low, odd_low);
+  columns[1] = hn::InterleaveUpper(quad, even_low, odd_low);
+  columns[2] = hn::InterleaveLower(quad, even_high, odd_high);
+  columns[3] = hn::InterleaveUpper(quad, even_high, odd_high);
+}
+
+void scatterRows(TileRows rows, std::size_t row_count, const std::uint32_t* positions, std::size_t pitch,
+                 float* by_vertex) {
+  const Quad quad;
+  for (std::size_t i = 0; i < row_count; i += 4)
+    for (std::size_t lane = 0; lane < kTile; lane += 4) {
+      hn::Vec<Quad> source[4], columns[4];
+#pragma GCC unroll 4
+      for (std::size_t r = 0; r < 4; ++r)
+        source[r] =
+            i + r < row_count ? hn::LoadU(quad, rows.rows + (i + r) * rows.stride + lane) : hn::Zero(quad);
+      transpose(source, columns);
+#pragma GCC unroll 4
+      for (std::size_t c = 0; c < 4; ++c)
+        hn::Store(columns[c], quad, by_vertex + positions[lane + c] * pitch + i);
+    }
+}
+
+void gatherRows(const float* by_vertex, std::size_t pitch, float* rows) {
+  const Quad quad;
+  for (std::size_t i = 0; i < pitch; i += 4)
+    for (std::size_t lane = 0; lane < kTile; lane += 4) {
+      hn::Vec<Quad> source[4], columns[4];
+#pragma GCC unroll 4
+      for (std::size_t r = 0; r < 4; ++r) source[r] = hn::Load(quad, by_vertex + (lane + r) * pitch + i);
+      transpose(source, columns);
+#pragma GCC unroll 4
+      for (std::size_t c = 0; c < 4; ++c) hn::Store(columns[c], quad, rows + (i + c) * kTile + lane);
+    }
+}
+
+#endif
+
 const Kernels& kernelsOfTarget() {
-  static constexpr Kernels table = {decode,     shadeMatrices, shadeSlots,   transferSlots,
-                                    sparseSums, multiplyBasis, shadeCluster, transferCluster};
+  static constexpr Kernels table = {decode,        shadeMatrices, shadeSlots, transferSlots, sparseSums,
+                                    multiplyBasis, scatterRows,   gatherRows, shadeCluster,  transferCluster};
   return table;
 }
 

@@ -71,7 +71,7 @@ struct Kernels {
   void (*transferSlots)(const float* lanes, const std::uint16_t* slots, MatrixShape shape, const float* light,
                         int first_color, int last_color, float* transferred);
 
-  // result[s] = Σ_e factor[e][s] · lanes[source[e]]: sparse sums, those of a group one after the other.
+  // result[s] = Σ_e factor[e][s] · lanes at source[e]: sparse sums, those of a group one after the other.
   void (*sparseSums)(const SumGroup* groups, std::size_t group_count, const std::uint16_t* source,
                      const float* factor, const float* lanes, float* result);
 
@@ -81,6 +81,13 @@ struct Kernels {
   // [member][3][row lane], to which the colours as above are added.
   void (*multiplyBasis)(const TileValues& basis, std::size_t members, MatrixShape shape,
                         const float* light_lanes, int first_color, int last_color, float* product);
+
+  // Rows of a tile of neighbours, at rows + i · stride, vertex by vertex: coefficient i of lane v to
+  // by_vertex[positions[v] · pitch + i]. `pitch` is a multiple of 4 and at least row_count.
+  void (*scatterRows)(TileRows rows, std::size_t row_count, const std::uint32_t* positions, std::size_t pitch,
+                      float* by_vertex);
+  // And back: of 16 vertices at by_vertex + v · pitch, coefficient i to rows[i · 16 + v], for i < pitch.
+  void (*gatherRows)(const float* by_vertex, std::size_t pitch, float* rows);
 
   // With transferred(i, c) = product[0][c][i] + Σ_k weights[k] · product[1 + k][c][i]:
   // radiance[c] = Σ_i rows[i] · transferred(i, c).

@@ -208,7 +208,7 @@ class VisibilityTiles final : public GlossyTiles {
       std::vector<std::uint16_t> sources;
       std::vector<float> factors;
       for (; end < entries.size() && entries[end].i == head.i && entries[end].j == head.j; ++end) {
-        sources.push_back(entries[end].k);
+        sources.push_back(static_cast<std::uint16_t>(entries[end].k * kTile));
         factors.push_back(entries[end].value);
       }
       if (head.j < head.i && head.i < square) continue;  // the mirrored cell serves
@@ -263,7 +263,7 @@ class VisibilityTiles final : public GlossyTiles {
   std::size_t table_bytes_;
   std::size_t sum_count_ = 0, sum_terms_ = 0;
   std::vector<SumGroup> groups_;
-  std::vector<std::uint16_t> source_;  // k of each batch
+  std::vector<std::uint16_t> source_;  // positions of each batch, see SumGroup
   std::vector<float> factor_;          // Γ_ijk, see SumGroup
   std::vector<std::uint16_t> slots_;   // the sum of each cell in blocks of columns
 };

@@ -15,9 +15,6 @@ AlignedFloats reorder(std::span<const float> values, std::span<const std::uint32
   return result;
 }
 
-// Neighbours that are copied at once: one vector of every instruction set.
-constexpr std::size_t kPiece = 4;
-
 }  // namespace
 
 void GlossyTiles::tileInOrder(std::size_t vertex_count, std::size_t tiles_per_range) {
@@ -29,6 +26,7 @@ void GlossyTiles::tileByCluster(std::span<const std::uint32_t> clusters, std::si
                                 std::size_t tiles_per_range) {
   vertex_count_ = clusters.size();
   contiguous_ = false;
+  positions_.resize(clusters.size());
   std::vector<std::vector<std::uint32_t>> members(cluster_count);
   for (std::size_t vertex = 0; vertex < clusters.size(); ++vertex) {
     if (clusters[vertex] >= cluster_count)
@@ -42,41 +40,13 @@ void GlossyTiles::tileByCluster(std::span<const std::uint32_t> clusters, std::si
       counts_.push_back(static_cast<std::uint8_t>(count));
       vertices_.resize(counts_.size() * kTile);
       std::copy_n(members[cluster].begin() + begin, count, vertices_.end() - kTile);
-      findPieces(counts_.size() - 1);
+      for (std::size_t lane = 0; lane < count; ++lane)
+        positions_[members[cluster][begin + lane]] =
+            static_cast<std::uint32_t>((counts_.size() - 1) * kTile + lane);
     }
     for (std::size_t tile = first_tile; tile < counts_.size(); tile += tiles_per_range)
       ranges_.push_back(
           {tile, std::min(tile + tiles_per_range, counts_.size()), static_cast<std::uint32_t>(cluster)});
-  }
-}
-
-void GlossyTiles::findPieces(std::size_t tile) {
-  const std::span<const std::uint32_t> members = vertices(tile);
-  pieces_.resize((tile + 1) * kTile);
-  piece_counts_.push_back(0);
-  std::size_t begin = 0;
-  for (std::size_t lane = 0; lane < members.size(); ++lane)
-    if (lane == 0 || members[lane] != members[lane - 1] + 1 || lane == begin + kPiece) {
-      begin = lane;
-      pieces_[tile * kTile + piece_counts_.back()++] = static_cast<std::uint8_t>(lane);
-    }
-}
-
-void GlossyTiles::gatherRows(std::size_t tile, std::span<const float> rows, float* gathered) const {
-  const std::span<const std::uint32_t> members = vertices(tile);
-  if (members.back() + kPiece > vertex_count_) {  // a piece would end beyond the rows
-    for (std::size_t lane = 0; lane < members.size(); ++lane)
-      for (std::size_t i = 0; i < shape_.rows; ++i)
-        gathered[i * kGatherPitch + lane] = rows[i * vertex_count_ + members[lane]];
-    return;
-  }
-  // In order, as a short piece copies more than its own and the next one puts that right.
-  for (std::size_t piece = 0; piece < piece_counts_[tile]; ++piece) {
-    const std::size_t lane = pieces_[tile * kTile + piece];
-    const float* source = &rows[members[lane]];
-    float* target = gathered + lane;
-    for (std::size_t i = 0; i < shape_.rows; ++i, source += vertex_count_, target += kGatherPitch)
-      std::memcpy(target, source, kPiece * sizeof(float));
   }
 }
 

@@ -54,9 +54,6 @@ struct LightTables {
   AlignedFloats lanes;    // [j][3][row lane], see Kernels::multiplyBasis; kCpca only
 };
 
-// Room for the pieces that gatherRows copies to end beyond the last lane.
-constexpr std::size_t kGatherPitch = 2 * kTile;
-
 // Tiles that are worked on together, all of one cluster in kCpca.
 struct TileRange {
   std::size_t begin, end;
@@ -68,15 +65,15 @@ class GlossyTiles {
   virtual ~GlossyTiles() = default;
 
   std::size_t vertexCount() const { return vertex_count_; }
+  std::size_t tileCount() const { return counts_.size(); }
   MatrixShape shape() const { return shape_; }
   const std::vector<TileRange>& ranges() const { return ranges_; }
   // At most 16; fewer at the end of the mesh or of a cluster.
   std::span<const std::uint32_t> vertices(std::size_t tile) const {
     return {&vertices_[tile * kTile], counts_[tile]};
   }
-  // Rows of the tile's vertices, wherever those lie: row i at gathered + i · kGatherPitch, for kGatherPitch ·
-  // rows floats. `rows` holds row_count × n.
-  void gatherRows(std::size_t tile, std::span<const float> rows, float* gathered) const;
+  // Where each vertex is: tile · 16 + lane.
+  std::span<const std::uint32_t> positions() const { return positions_; }
   // Whether a tile's vertices are neighbours in the mesh's order.
   bool isContiguous() const { return contiguous_; }
 
@@ -101,7 +98,6 @@ class GlossyTiles {
   // Vertices sorted by cluster.
   void tileByCluster(std::span<const std::uint32_t> clusters, std::size_t cluster_count,
                      std::size_t tiles_per_range);
-  std::size_t tileCount() const { return counts_.size(); }
   // Entry e is column columns[e] of the table; padding lanes are zero.
   TileTable interleave(const formats::EncodedTable& table, std::span<const std::uint32_t> columns) const;
   AlignedFloats copyLight(std::span<const Float3> light) const;
@@ -111,12 +107,9 @@ class GlossyTiles {
   int channels_ = 1;
 
  private:
-  void findPieces(std::size_t tile);
-
   std::vector<std::uint32_t> vertices_;  // [tile][lane]
   std::vector<std::uint8_t> counts_;     // of a tile
-  std::vector<std::uint8_t> pieces_;  // [tile][≤ 16]: lanes at which neighbours in the mesh's order begin
-  std::vector<std::uint8_t> piece_counts_;
+  std::vector<std::uint32_t> positions_;
   std::vector<TileRange> ranges_;
   bool contiguous_ = true;
 };
