@@ -7,7 +7,8 @@ void declareOptions(stage::Tool& tool, Options& options) {
   tool.input("pack", "pack", options.pack_path, "the pack to play")
       .input("environment", "image", options.environment_path,
              "lat-long HDR light; without it and lights: a soft key light", false)
-      .input("lights", "light_rig", options.lights_path, "light rig: distant lights and emitters; adds up", false)
+      .input("lights", "light_rig", options.lights_path, "light rig: distant lights and emitters; adds up",
+             false)
       .output("image", "image", options.image_path,
               "write one frame (.png, or .exr with linear radiance), no window", false)
       .parameter("width", settings.width_px, {1, 16384}, "px", "width of window or picture")

@@ -14,6 +14,9 @@ namespace {
 
 using formats::MatrixStorage;
 
+// Coefficients that one work item of visibility.comp computes.
+constexpr std::size_t kVisibilityBlock = 5;
+
 std::size_t matrixSize(const formats::RadianceTransfer& transfer) {
   return static_cast<std::size_t>(transport::coefficientCount(transfer.row_order)) *
          transport::coefficientCount(transfer.order);
@@ -70,7 +73,8 @@ void TransferPass::prepareVisibility(const formats::RadianceTransfer& transfer) 
   const std::size_t columns = transport::coefficientCount(product.visibilityOrder());
   require(transfer.channels == 1 && table_.columns() == columns);
   program_ = makeComputeProgram({kTableGlsl, kVisibilityComp},
-                                table_.definitions() + define("ROW_COEFFICIENTS", row_coefficients_));
+                                table_.definitions() + define("ROW_COEFFICIENTS", row_coefficients_) +
+                                    define("BLOCK", kVisibilityBlock));
 
   cell_count_ = row_coefficients_ * columns;
   std::vector<std::vector<GatherEntry>> cells(cell_count_);
@@ -130,6 +134,11 @@ void TransferPass::evaluateOperator() const {
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
+std::size_t TransferPass::itemsOfRow() const {
+  if (storage_ != MatrixStorage::kVisibility) return row_coefficients_;
+  return (row_coefficients_ + kVisibilityBlock - 1) / kVisibilityBlock;
+}
+
 void TransferPass::runRows(const Program& program, const GpuTable& table, const std::vector<RowRange>& ranges,
                            const Buffer& result) const {
   glUseProgram(program.name());
@@ -139,7 +148,7 @@ void TransferPass::runRows(const Program& program, const GpuTable& table, const 
     if (&table == &table_ && storage_ == MatrixStorage::kCpca)
       bindRows(4, clusters_, range, sizeof(std::uint32_t));
     glUniform1ui(0, static_cast<GLuint>(range.count));
-    dispatchItems(range.count * row_coefficients_);
+    dispatchItems(range.count * itemsOfRow());
   }
 }
 

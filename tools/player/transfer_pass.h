@@ -32,6 +32,7 @@ class TransferPass {
   void prepareVisibility(const formats::RadianceTransfer& transfer);
   void prepareClusters(const formats::RadianceTransfer& transfer, std::size_t largest_block_bytes);
   void evaluateOperator() const;
+  std::size_t itemsOfRow() const;
   void runRows(const Program& program, const GpuTable& table, const std::vector<RowRange>& ranges,
                const Buffer& result) const;
 
