@@ -132,7 +132,7 @@ void GlossyEvaluator::shade(std::span<const Float3> light, std::span<const float
         const std::span<const std::uint32_t> vertices = tiles.vertices(tile);
         TileRows tile_rows{gathered, kTile};
         if (!in_place) {
-          kernels().gatherRows(sorted->ofTile(tile), sorted->pitch(), gathered);
+          kernels().gatherRows(sorted->ofTile(tile), sorted->pitch(), row_count, gathered);
         } else if (vertices.size() == kTile) {
           tile_rows = {&rows[vertices[0]], count};
           if (vertices.back() + kTile < count) prefetchRows({&rows[vertices[0] + kTile], count}, row_count);

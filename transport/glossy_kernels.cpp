@@ -317,55 +317,76 @@ void scatterRows(TileRows rows, std::size_t row_count, const std::uint32_t* posi
       by_vertex[positions[lane] * pitch + i] = rows.rows[i * rows.stride + lane];
 }
 
-void gatherRows(const float* by_vertex, std::size_t pitch, float* rows) {
+void gatherRows(const float* by_vertex, std::size_t pitch, std::size_t row_count, float* rows) {
   for (std::size_t lane = 0; lane < kTile; ++lane)
-    for (std::size_t i = 0; i < pitch; ++i) rows[i * kTile + lane] = by_vertex[lane * pitch + i];
+    for (std::size_t i = 0; i < row_count; ++i) rows[i * kTile + lane] = by_vertex[lane * pitch + i];
 }
 
 #else
 
-using Quad = hn::FixedTag<float, 4>;
+// In each block of four lanes: columns[c][r] = rows[r][c].
+HWY_INLINE void transposeBlocks(const Vector (&rows)[4], Vector (&columns)[4]) {
+  const Vector even_low = hn::InterleaveLower(kFloats, rows[0], rows[2]);
+  const Vector even_high = hn::InterleaveUpper(kFloats, rows[0], rows[2]);
+  const Vector odd_low = hn::InterleaveLower(kFloats, rows[1], rows[3]);
+  const Vector odd_high = hn::InterleaveUpper(kFloats, rows[1], rows[3]);
+  columns[0] = hn::InterleaveLower(kFloats, even_low, odd_low);
+  columns[1] = hn::InterleaveUpper(kFloats, even_low, odd_low);
+  columns[2] = hn::InterleaveLower(kFloats, even_high, odd_high);
+  columns[3] = hn::InterleaveUpper(kFloats, even_high, odd_high);
+}
 
-// columns[c][r] = rows[r][c]
-HWY_INLINE void transpose(const hn::Vec<Quad> (&rows)[4], hn::Vec<Quad> (&columns)[4]) {
-  const Quad quad;
-  const auto even_low = hn::InterleaveLower(quad, rows[0], rows[2]),
-             even_high = hn::InterleaveUpper(quad, rows[0], rows[2]);
-  const auto odd_low = hn::InterleaveLower(quad, rows[1], rows[3]),
-             odd_high = hn::InterleaveUpper(quad, rows[1], rows[3]);
-  columns[0] = hn::InterleaveLower(quad, even_low, odd_low);
-  columns[1] = hn::InterleaveUpper(quad, even_low, odd_low);
-  columns[2] = hn::InterleaveLower(quad, even_high, odd_high);
-  columns[3] = hn::InterleaveUpper(quad, even_high, odd_high);
+// Blocks of four floats from or to block(0), block(1), …
+template <class D, class Block>
+HWY_INLINE hn::Vec<D> loadBlocks(D d, std::size_t first, const Block& block) {
+  if constexpr (hn::MaxLanes(D()) == 4) {
+    return hn::LoadU(d, block(first));
+  } else {
+    const hn::Half<D> half;
+    const std::size_t middle = first + hn::MaxLanes(half) / 4;
+    return hn::Combine(d, loadBlocks(half, middle, block), loadBlocks(half, first, block));
+  }
+}
+template <class D, class Block>
+HWY_INLINE void storeBlocks(D d, hn::Vec<D> vector, std::size_t first, const Block& block) {
+  if constexpr (hn::MaxLanes(D()) == 4) {
+    hn::StoreU(vector, d, block(first));
+  } else {
+    const hn::Half<D> half;
+    storeBlocks(half, hn::LowerHalf(half, vector), first, block);
+    storeBlocks(half, hn::UpperHalf(half, vector), first + hn::MaxLanes(half) / 4, block);
+  }
 }
 
 void scatterRows(TileRows rows, std::size_t row_count, const std::uint32_t* positions, std::size_t pitch,
                  float* by_vertex) {
-  const Quad quad;
-  for (std::size_t i = 0; i < row_count; i += 4)
-    for (std::size_t lane = 0; lane < kTile; lane += 4) {
-      hn::Vec<Quad> source[4], columns[4];
+  for (std::size_t lane = 0; lane < kTile; lane += kLanes)
+    for (std::size_t i = 0; i < row_count; i += 4) {
+      Vector source[4], columns[4];
 #pragma GCC unroll 4
       for (std::size_t r = 0; r < 4; ++r)
-        source[r] =
-            i + r < row_count ? hn::LoadU(quad, rows.rows + (i + r) * rows.stride + lane) : hn::Zero(quad);
-      transpose(source, columns);
+        source[r] = i + r < row_count ? hn::LoadU(kFloats, rows.rows + (i + r) * rows.stride + lane)
+                                      : hn::Zero(kFloats);
+      transposeBlocks(source, columns);
 #pragma GCC unroll 4
       for (std::size_t c = 0; c < 4; ++c)
-        hn::Store(columns[c], quad, by_vertex + positions[lane + c] * pitch + i);
+        storeBlocks(kFloats, columns[c], 0, [&](std::size_t block) {
+          return by_vertex + positions[lane + 4 * block + c] * pitch + i;
+        });
     }
 }
 
-void gatherRows(const float* by_vertex, std::size_t pitch, float* rows) {
-  const Quad quad;
-  for (std::size_t i = 0; i < pitch; i += 4)
-    for (std::size_t lane = 0; lane < kTile; lane += 4) {
-      hn::Vec<Quad> source[4], columns[4];
+void gatherRows(const float* by_vertex, std::size_t pitch, std::size_t row_count, float* rows) {
+  for (std::size_t lane = 0; lane < kTile; lane += kLanes)
+    for (std::size_t i = 0; i < row_count; i += 4) {
+      Vector source[4], columns[4];
 #pragma GCC unroll 4
-      for (std::size_t r = 0; r < 4; ++r) source[r] = hn::Load(quad, by_vertex + (lane + r) * pitch + i);
-      transpose(source, columns);
+      for (std::size_t c = 0; c < 4; ++c)
+        source[c] = loadBlocks(
+            kFloats, 0, [&](std::size_t block) { return by_vertex + (lane + 4 * block + c) * pitch + i; });
+      transposeBlocks(source, columns);
 #pragma GCC unroll 4
-      for (std::size_t c = 0; c < 4; ++c) hn::Store(columns[c], quad, rows + (i + c) * kTile + lane);
+      for (std::size_t r = 0; r < 4; ++r) hn::Store(columns[r], kFloats, rows + (i + r) * kTile + lane);
     }
 }
 

@@ -86,8 +86,9 @@ struct Kernels {
   // by_vertex[positions[v] · pitch + i]. `pitch` is a multiple of 4 and at least row_count.
   void (*scatterRows)(TileRows rows, std::size_t row_count, const std::uint32_t* positions, std::size_t pitch,
                       float* by_vertex);
-  // And back: of 16 vertices at by_vertex + v · pitch, coefficient i to rows[i · 16 + v], for i < pitch.
-  void (*gatherRows)(const float* by_vertex, std::size_t pitch, float* rows);
+  // And back: of 16 vertices at by_vertex + v · pitch, coefficient i to rows[i · 16 + v]. Row counts are
+  // rounded up to a multiple of 4.
+  void (*gatherRows)(const float* by_vertex, std::size_t pitch, std::size_t row_count, float* rows);
 
   // With transferred(i, c) = product[0][c][i] + Σ_k weights[k] · product[1 + k][c][i]:
   // radiance[c] = Σ_i rows[i] · transferred(i, c).
