@@ -101,7 +101,7 @@ TEST_F(DefaultRecipe, DeliversTheBunny) {
   const formats::Pack pack = formats::readPack(driver_->out() / "bunny/bunny.glb");
   EXPECT_EQ(pack.name, "bunny");
   EXPECT_EQ(pack.transfer.order, 5);
-  EXPECT_EQ(pack.transfer.transport, "shadowed");
+  EXPECT_EQ(pack.transfer.transport, "interreflected");
   EXPECT_NEAR(static_cast<double>(pack.mesh.vertexCount()), 10800, 200);
   // An ordinary glTF reader sees the same triangles.
   EXPECT_EQ(formats::importMesh(driver_->out() / "bunny/bunny.glb").mesh.triangleCount(),
