@@ -187,19 +187,31 @@ HWY_INLINE void sumBatch(const std::uint16_t* source, const float* factor, std::
   }
 }
 
+struct SumCursor {
+  const std::uint16_t* source;
+  const float* factor;
+  float* result;
+};
+
+template <std::size_t kSums>
+HWY_INLINE SumCursor sumBatches(const SumGroup& group, SumCursor cursor, const float* lanes) {
+  const std::size_t length = group.length;
+  for (std::size_t batch = 0; batch < group.batches; ++batch) {
+    sumBatch<kSums>(cursor.source, cursor.factor, length, lanes, cursor.result);
+    cursor.source += length;
+    cursor.factor += length * kSums;
+    cursor.result += kSums * kTile;
+  }
+  return cursor;
+}
+
 void sparseSums(const SumGroup* groups, std::size_t group_count, const std::uint16_t* source,
                 const float* factor, const float* lanes, float* result) {
-  for (std::size_t group = 0; group < group_count; ++group) {
-    const std::size_t length = groups[group].length, size = groups[group].batch;
-    withSize<kSumBatch>(size, [&]<std::size_t kSums>() {
-      for (std::size_t batch = 0; batch < groups[group].batches; ++batch) {
-        sumBatch<kSums>(source, factor, length, lanes, result);
-        source += length;
-        factor += length * kSums;
-        result += kSums * kTile;
-      }
+  SumCursor cursor{source, factor, result};
+  for (std::size_t group = 0; group < group_count; ++group)
+    withSize<kSumBatch>(groups[group].batch, [&]<std::size_t kSums>() {
+      cursor = sumBatches<kSums>(groups[group], cursor, lanes);
     });
-  }
 }
 
 // Adds members first … of one block to their products, one vector of row lanes.
