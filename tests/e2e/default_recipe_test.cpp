@@ -161,6 +161,35 @@ TEST_F(DefaultRecipe, StageThatNothingDeliversIsLeftOut) {
   EXPECT_FALSE(fs::exists(driver.out() / "bunny/frame.png"));
 }
 
+// The other assets that come with the project, baked coarsely: through the driver to the player's pixels.
+class ReadyAsset : public testing::Test {
+ protected:
+  PlayerComparison runAndCompare(const std::string& asset, const PlayerLights& lights) {
+    const Driver driver(folder_ / "out");
+    const Outcome outcome = driver.run(kSource / "configs/assets" / asset,
+                                       "--set simplify.triangles=6000 --set transfer.directions=256");
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    const auto result = comparePlayerWithCpu(kBin / "player", driver.out() / asset / (asset + ".glb"), lights,
+                                             {}, folder_ / "pictures");
+    EXPECT_TRUE(result.agrees()) << result.summary();
+    EXPECT_EQ(formats::readTextFile(driver.out() / asset / "frame.png"),
+              formats::readTextFile(folder_ / "pictures/player.png"));
+    return result;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(ReadyAsset, LampsNearTheBunny) {
+  const auto result = runAndCompare("near_bunny", {.rig_path = kSource / "configs/lights/near.json"});
+  EXPECT_GT(result.emitter_pixels, 1000u);
+}
+
+TEST_F(ReadyAsset, GlossyBunny) {
+  const auto result = runAndCompare("glossy_bunny", {.environment_path = kData / "probes/sunrise.exr"});
+  EXPECT_EQ(result.allowed_difference, 2) << "the pack is not glossy";
+}
+
 // Mistakes: one paragraph each that names the file and the place, the documented status, and nothing
 // half-written.
 class BadInput : public testing::Test {
