@@ -172,8 +172,6 @@ class ReadyAsset : public testing::Test {
     const auto result = comparePlayerWithCpu(kBin / "player", driver.out() / asset / (asset + ".glb"), lights,
                                              {}, folder_ / "pictures");
     EXPECT_TRUE(result.agrees()) << result.summary();
-    EXPECT_EQ(formats::readTextFile(driver.out() / asset / "frame.png"),
-              formats::readTextFile(folder_ / "pictures/player.png"));
     return result;
   }
 
