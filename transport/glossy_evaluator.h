@@ -2,6 +2,8 @@
 // storages and precisions, with the widest vector instructions at hand.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -25,10 +27,15 @@ class GlossyEvaluator {
   // entries.
   std::vector<Float3> transferredRadiance(std::span<const Float3> light) const;
 
+  // The order in which the evaluator works on vertices, in tiles of kTile: those of a cluster together. A
+  // place that no vertex takes, at the end of a cluster, names any of them.
+  static constexpr std::size_t kTile = 16;
+  std::span<const std::uint32_t> vertexOrder() const;
+
   // Exit radiance of each vertex: Σ_i rows[v][i] · transferred[v][i], without storing the transferred
-  // radiance. `rows` is row_order² × n (coefficient-major, so that vertices lie side by side), in the frame
-  // named above; `radiance` has n entries. Overwrites. On all TBB threads; the same bytes whatever their
-  // number.
+  // radiance. `rows` are in the frame named above and in the order above: tiles × row_order² × kTile, so that
+  // they are read as one stream. `radiance` has n entries, in the mesh's order. Overwrites. On all TBB
+  // threads; the same bytes whatever their number.
   void shade(std::span<const Float3> light, std::span<const float> rows, std::span<Float3> radiance) const;
 
   // Bytes that one evaluation reads, without light and rows; multiply-adds it cannot do without (padding left
@@ -41,10 +48,10 @@ class GlossyEvaluator {
   std::unique_ptr<Implementation> implementation_;
 };
 
-// Rows of every vertex for an eye at `eye` (object space), for shade(): a lobe gives one table of row_order²
-// × n. In the object frame if `object_frame`, else in the local frame of normals and tangents.
+// Rows of a lobe for an eye at `eye` (object space), in the order of shade(); in the object frame if
+// `object_frame`, else in the local frame of normals and tangents.
 std::vector<float> lobeRows(const formats::Pack& pack, std::span<const double> kernel, const Vec3& eye,
-                            bool object_frame);
+                            bool object_frame, std::span<const std::uint32_t> vertex_order);
 
 // Exit radiance of each vertex towards `eye`, base colour and vertex colours included: diffuse part plus
 // glossy part of the pack's material. `light` is distant light in the object's frame; `near_light` (empty, or

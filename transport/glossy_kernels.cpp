@@ -82,14 +82,14 @@ HWY_INLINE void addLit(const Vector (&sums)[kColumns], const float* light, int f
 // Rows first, light last: for one table of matrices under three colours this takes a third of the
 // multiply-adds of the other order.
 template <std::size_t kColumns, class T>
-HWY_INLINE void shadeColumns(const T* matrix, const float* scale, std::size_t row_count, TileRows rows,
+HWY_INLINE void shadeColumns(const T* matrix, const float* scale, std::size_t row_count, const float* rows,
                              const float* light, int first_color, int last_color, float* radiance) {
   for (std::size_t lane = 0; lane < kTile; lane += kLanes) {
     Vector sums[kColumns];
 #pragma GCC unroll 8
     for (std::size_t column = 0; column < kColumns; ++column) sums[column] = hn::Zero(kFloats);
     for (std::size_t i = 0; i < row_count; ++i) {
-      const Vector row = hn::LoadU(kFloats, rows.rows + i * rows.stride + lane);
+      const Vector row = hn::LoadU(kFloats, rows + i * kTile + lane);
       const T* entries = matrix + i * kColumns * kTile + lane;
       if (lane == 0) {
 #pragma GCC unroll 8
@@ -111,7 +111,7 @@ HWY_INLINE void shadeColumns(const T* matrix, const float* scale, std::size_t ro
   }
 }
 
-void shadeMatrices(const TileValues& matrices, MatrixShape shape, TileRows rows, const float* light,
+void shadeMatrices(const TileValues& matrices, MatrixShape shape, const float* rows, const float* light,
                    int first_color, int last_color, float* radiance) {
   const Blocks blocks{shape.columns, kColumnBlock};
   withType(matrices, [&]<class T>(const T* data) {
@@ -126,7 +126,7 @@ void shadeMatrices(const TileValues& matrices, MatrixShape shape, TileRows rows,
   });
 }
 
-void shadeSlots(const float* lanes, const std::uint16_t* slots, MatrixShape shape, TileRows rows,
+void shadeSlots(const float* lanes, const std::uint16_t* slots, MatrixShape shape, const float* rows,
                 const float* light, float* radiance) {
   const Blocks blocks{shape.columns, kColumnBlock};
   for (std::size_t block = 0; block < blocks.blocks(); ++block) {
@@ -138,7 +138,7 @@ void shadeSlots(const float* lanes, const std::uint16_t* slots, MatrixShape shap
 #pragma GCC unroll 8
         for (std::size_t column = 0; column < kColumns; ++column) sums[column] = hn::Zero(kFloats);
         for (std::size_t i = 0; i < shape.rows; ++i, slot += kColumns) {
-          const Vector row = hn::LoadU(kFloats, rows.rows + i * rows.stride + lane);
+          const Vector row = hn::LoadU(kFloats, rows + i * kTile + lane);
 #pragma GCC unroll 8
           for (std::size_t column = 0; column < kColumns; ++column)
             sums[column] =
@@ -283,7 +283,7 @@ HWY_INLINE void combineRows(const float* product, std::size_t components, const 
 }
 
 void shadeCluster(const float* product, std::size_t components, const float* weights, std::size_t row_count,
-                  TileRows rows, float* radiance) {
+                  const float* rows, float* radiance) {
   const Blocks blocks{row_count, kRowBlock};
   const std::size_t row_lanes = (row_count + kTile - 1) / kTile * kTile;
   for (std::size_t lane = 0; lane < kTile; lane += kLanes) {
@@ -291,16 +291,16 @@ void shadeCluster(const float* product, std::size_t components, const float* wei
     for (std::size_t block = 0; block < blocks.blocks(); ++block) {
       const std::size_t begin = blocks.begin(block), size = blocks.begin(block + 1) - begin;
       withSize<kRowBlock>(size, [&]<std::size_t kRows>() {
-        combineRows<kRows>(
-            product, components, weights, begin, row_lanes, lane, [&](const Vector(&transferred)[kRows * 3]) {
+        combineRows<kRows>(product, components, weights, begin, row_lanes, lane,
+                           [&](const Vector(&transferred)[kRows * 3]) {
 #pragma GCC unroll 4
-              for (std::size_t row = 0; row < kRows; ++row) {
-                const Vector factor = hn::LoadU(kFloats, rows.rows + (begin + row) * rows.stride + lane);
-                red = hn::MulAdd(factor, transferred[row * 3], red);
-                green = hn::MulAdd(factor, transferred[row * 3 + 1], green);
-                blue = hn::MulAdd(factor, transferred[row * 3 + 2], blue);
-              }
-            });
+                             for (std::size_t row = 0; row < kRows; ++row) {
+                               const Vector factor = hn::LoadU(kFloats, rows + (begin + row) * kTile + lane);
+                               red = hn::MulAdd(factor, transferred[row * 3], red);
+                               green = hn::MulAdd(factor, transferred[row * 3 + 1], green);
+                               blue = hn::MulAdd(factor, transferred[row * 3 + 2], blue);
+                             }
+                           });
       });
     }
     hn::Store(red, kFloats, radiance + lane);
@@ -320,93 +320,9 @@ void transferCluster(const float* product, std::size_t components, const float* 
       });
 }
 
-#if HWY_TARGET == HWY_SCALAR
-
-void scatterRows(TileRows rows, std::size_t row_count, const std::uint32_t* positions, std::size_t pitch,
-                 float* by_vertex) {
-  for (std::size_t lane = 0; lane < kTile; ++lane)
-    for (std::size_t i = 0; i < row_count; ++i)
-      by_vertex[positions[lane] * pitch + i] = rows.rows[i * rows.stride + lane];
-}
-
-void gatherRows(const float* by_vertex, std::size_t pitch, std::size_t row_count, float* rows) {
-  for (std::size_t lane = 0; lane < kTile; ++lane)
-    for (std::size_t i = 0; i < row_count; ++i) rows[i * kTile + lane] = by_vertex[lane * pitch + i];
-}
-
-#else
-
-// In each block of four lanes: columns[c][r] = rows[r][c].
-HWY_INLINE void transposeBlocks(const Vector (&rows)[4], Vector (&columns)[4]) {
-  const Vector even_low = hn::InterleaveLower(kFloats, rows[0], rows[2]);
-  const Vector even_high = hn::InterleaveUpper(kFloats, rows[0], rows[2]);
-  const Vector odd_low = hn::InterleaveLower(kFloats, rows[1], rows[3]);
-  const Vector odd_high = hn::InterleaveUpper(kFloats, rows[1], rows[3]);
-  columns[0] = hn::InterleaveLower(kFloats, even_low, odd_low);
-  columns[1] = hn::InterleaveUpper(kFloats, even_low, odd_low);
-  columns[2] = hn::InterleaveLower(kFloats, even_high, odd_high);
-  columns[3] = hn::InterleaveUpper(kFloats, even_high, odd_high);
-}
-
-// Blocks of four floats from or to block(0), block(1), …
-template <class D, class Block>
-HWY_INLINE hn::Vec<D> loadBlocks(D d, std::size_t first, const Block& block) {
-  if constexpr (hn::MaxLanes(D()) == 4) {
-    return hn::LoadU(d, block(first));
-  } else {
-    const hn::Half<D> half;
-    const std::size_t middle = first + hn::MaxLanes(half) / 4;
-    return hn::Combine(d, loadBlocks(half, middle, block), loadBlocks(half, first, block));
-  }
-}
-template <class D, class Block>
-HWY_INLINE void storeBlocks(D d, hn::Vec<D> vector, std::size_t first, const Block& block) {
-  if constexpr (hn::MaxLanes(D()) == 4) {
-    hn::StoreU(vector, d, block(first));
-  } else {
-    const hn::Half<D> half;
-    storeBlocks(half, hn::LowerHalf(half, vector), first, block);
-    storeBlocks(half, hn::UpperHalf(half, vector), first + hn::MaxLanes(half) / 4, block);
-  }
-}
-
-void scatterRows(TileRows rows, std::size_t row_count, const std::uint32_t* positions, std::size_t pitch,
-                 float* by_vertex) {
-  for (std::size_t lane = 0; lane < kTile; lane += kLanes)
-    for (std::size_t i = 0; i < row_count; i += 4) {
-      Vector source[4], columns[4];
-#pragma GCC unroll 4
-      for (std::size_t r = 0; r < 4; ++r)
-        source[r] = i + r < row_count ? hn::LoadU(kFloats, rows.rows + (i + r) * rows.stride + lane)
-                                      : hn::Zero(kFloats);
-      transposeBlocks(source, columns);
-#pragma GCC unroll 4
-      for (std::size_t c = 0; c < 4; ++c)
-        storeBlocks(kFloats, columns[c], 0, [&](std::size_t block) {
-          return by_vertex + positions[lane + 4 * block + c] * pitch + i;
-        });
-    }
-}
-
-void gatherRows(const float* by_vertex, std::size_t pitch, std::size_t row_count, float* rows) {
-  for (std::size_t lane = 0; lane < kTile; lane += kLanes)
-    for (std::size_t i = 0; i < row_count; i += 4) {
-      Vector source[4], columns[4];
-#pragma GCC unroll 4
-      for (std::size_t c = 0; c < 4; ++c)
-        source[c] = loadBlocks(
-            kFloats, 0, [&](std::size_t block) { return by_vertex + (lane + 4 * block + c) * pitch + i; });
-      transposeBlocks(source, columns);
-#pragma GCC unroll 4
-      for (std::size_t r = 0; r < 4; ++r) hn::Store(columns[r], kFloats, rows + (i + r) * kTile + lane);
-    }
-}
-
-#endif
-
 const Kernels& kernelsOfTarget() {
-  static constexpr Kernels table = {decode,        shadeMatrices, shadeSlots, transferSlots, sparseSums,
-                                    multiplyBasis, scatterRows,   gatherRows, shadeCluster,  transferCluster};
+  static constexpr Kernels table = {decode,     shadeMatrices, shadeSlots,   transferSlots,
+                                    sparseSums, multiplyBasis, shadeCluster, transferCluster};
   return table;
 }
 

@@ -42,28 +42,23 @@ struct SumGroup {
 };
 constexpr std::size_t kSumBatch = 4;  // at most
 
-// Rows of the tile's vertices: row i at rows + i · stride, 16 readable lanes.
-struct TileRows {
-  const float* rows;
-  std::size_t stride;
-};
-
 struct MatrixShape {
   std::size_t rows, columns;
 };
 
+// Rows of a tile's vertices are [i][lane].
 struct Kernels {
   // lanes[e] = scale[e] · code[e] + offset[e] (or the number itself), e < count.
   void (*decode)(const TileValues& values, const float* offset, std::size_t count, float* lanes);
 
   // radiance[c] += Σ_ij rows[i] · matrix[i][j] · light[j · 3 + c] for colours first_color … last_color − 1.
   // The matrix lies in blocks of columns (Blocks of kColumnBlock): [block][i][column in the block][lane].
-  void (*shadeMatrices)(const TileValues& matrices, MatrixShape shape, TileRows rows, const float* light,
+  void (*shadeMatrices)(const TileValues& matrices, MatrixShape shape, const float* rows, const float* light,
                         int first_color, int last_color, float* radiance);
 
   // As shadeMatrices on single precision and for all colours, where entry e of that order is at lanes +
   // slots[e] · 16.
-  void (*shadeSlots)(const float* lanes, const std::uint16_t* slots, MatrixShape shape, TileRows rows,
+  void (*shadeSlots)(const float* lanes, const std::uint16_t* slots, MatrixShape shape, const float* rows,
                      const float* light, float* radiance);
 
   // transferred[i · 3 + c] += Σ_j matrix[i][j] · light[j · 3 + c] for the colours as above; the matrix as in
@@ -82,18 +77,10 @@ struct Kernels {
   void (*multiplyBasis)(const TileValues& basis, std::size_t members, MatrixShape shape,
                         const float* light_lanes, int first_color, int last_color, float* product);
 
-  // Rows of a tile of neighbours, at rows + i · stride, vertex by vertex: coefficient i of lane v to
-  // by_vertex[positions[v] · pitch + i]. `pitch` is a multiple of 4 and at least row_count.
-  void (*scatterRows)(TileRows rows, std::size_t row_count, const std::uint32_t* positions, std::size_t pitch,
-                      float* by_vertex);
-  // And back: of 16 vertices at by_vertex + v · pitch, coefficient i to rows[i · 16 + v]. Row counts are
-  // rounded up to a multiple of 4.
-  void (*gatherRows)(const float* by_vertex, std::size_t pitch, std::size_t row_count, float* rows);
-
   // With transferred(i, c) = product[0][c][i] + Σ_k weights[k] · product[1 + k][c][i]:
   // radiance[c] = Σ_i rows[i] · transferred(i, c).
   void (*shadeCluster)(const float* product, std::size_t components, const float* weights,
-                       std::size_t row_count, TileRows rows, float* radiance);
+                       std::size_t row_count, const float* rows, float* radiance);
   // The same without rows: transferred[i · 3 + c].
   void (*transferCluster)(const float* product, std::size_t components, const float* weights,
                           std::size_t row_count, float* transferred);

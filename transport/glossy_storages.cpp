@@ -113,7 +113,7 @@ class MatrixTiles final : public GlossyTiles {
 
   std::size_t scratchSize() const override { return table_.entries * kTile; }
 
-  void shade(std::size_t tile, const LightTables& light, TileRows rows, float*,
+  void shade(std::size_t tile, const LightTables& light, const float* rows, float*,
              float* radiance) const override {
     if (offset_.empty())
       std::fill_n(radiance, 3 * kTile, 0.0f);
@@ -172,7 +172,7 @@ class VisibilityTiles final : public GlossyTiles {
 
   std::size_t scratchSize() const override { return (table_.entries + sum_count_) * kTile; }
 
-  void shade(std::size_t tile, const LightTables& light, TileRows rows, float* scratch,
+  void shade(std::size_t tile, const LightTables& light, const float* rows, float* scratch,
              float* radiance) const override {
     std::fill_n(radiance, 3 * kTile, 0.0f);
     kernels().shadeSlots(expand(tile, scratch), slots_.data(), shape_, rows, light.light.data(), radiance);
@@ -323,7 +323,7 @@ class CpcaTiles final : public GlossyTiles {
     });
   }
 
-  void shade(std::size_t tile, const LightTables&, TileRows rows, float* scratch,
+  void shade(std::size_t tile, const LightTables&, const float* rows, float* scratch,
              float* radiance) const override {
     kernels().shadeCluster(scratch, components_, decodedWeights(tile, scratch), shape_.rows, rows, radiance);
   }

@@ -19,14 +19,11 @@ AlignedFloats reorder(std::span<const float> values, std::span<const std::uint32
 
 void GlossyTiles::tileInOrder(std::size_t vertex_count, std::size_t tiles_per_range) {
   tileByCluster(std::vector<std::uint32_t>(vertex_count, 0), 1, tiles_per_range);
-  contiguous_ = true;
 }
 
 void GlossyTiles::tileByCluster(std::span<const std::uint32_t> clusters, std::size_t cluster_count,
                                 std::size_t tiles_per_range) {
   vertex_count_ = clusters.size();
-  contiguous_ = false;
-  positions_.resize(clusters.size());
   std::vector<std::vector<std::uint32_t>> members(cluster_count);
   for (std::size_t vertex = 0; vertex < clusters.size(); ++vertex) {
     if (clusters[vertex] >= cluster_count)
@@ -40,9 +37,6 @@ void GlossyTiles::tileByCluster(std::span<const std::uint32_t> clusters, std::si
       counts_.push_back(static_cast<std::uint8_t>(count));
       vertices_.resize(counts_.size() * kTile);
       std::copy_n(members[cluster].begin() + begin, count, vertices_.end() - kTile);
-      for (std::size_t lane = 0; lane < count; ++lane)
-        positions_[members[cluster][begin + lane]] =
-            static_cast<std::uint32_t>((counts_.size() - 1) * kTile + lane);
     }
     for (std::size_t tile = first_tile; tile < counts_.size(); tile += tiles_per_range)
       ranges_.push_back(

@@ -72,17 +72,15 @@ class GlossyTiles {
   std::span<const std::uint32_t> vertices(std::size_t tile) const {
     return {&vertices_[tile * kTile], counts_[tile]};
   }
-  // Where each vertex is: tile · 16 + lane.
-  std::span<const std::uint32_t> positions() const { return positions_; }
-  // Whether a tile's vertices are neighbours in the mesh's order.
-  bool isContiguous() const { return contiguous_; }
+  // See GlossyEvaluator::vertexOrder.
+  std::span<const std::uint32_t> order() const { return vertices_; }
 
   virtual LightTables prepare(std::span<const Float3> light) const = 0;
   // Floats of scratch that the calls below share within a range.
   virtual std::size_t scratchSize() const = 0;
   virtual void beginRange(const TileRange&, const LightTables&, float*) const {}
   // Overwrites radiance[3][lane].
-  virtual void shade(std::size_t tile, const LightTables& light, TileRows rows, float* scratch,
+  virtual void shade(std::size_t tile, const LightTables& light, const float* rows, float* scratch,
                      float* radiance) const = 0;
   // Adds to transferred[i · 3 + c][lane].
   virtual void transfer(std::size_t tile, const LightTables& light, float* scratch,
@@ -109,9 +107,7 @@ class GlossyTiles {
  private:
   std::vector<std::uint32_t> vertices_;  // [tile][lane]
   std::vector<std::uint8_t> counts_;     // of a tile
-  std::vector<std::uint32_t> positions_;
   std::vector<TileRange> ranges_;
-  bool contiguous_ = true;
 };
 
 // Throws std::invalid_argument if there are no matrices or sizes do not fit together.

@@ -88,7 +88,7 @@ std::vector<Float3> lobeReflection(const formats::Pack& pack, const GlossyEvalua
                                    const Vec3& eye) {
   std::vector<Float3> radiance(pack.mesh.vertexCount());
   const bool object_frame = pack.transfer.storage == formats::MatrixStorage::kVisibility;
-  evaluator.shade(light, lobeRows(pack, kernel, eye, object_frame), radiance);
+  evaluator.shade(light, lobeRows(pack, kernel, eye, object_frame, evaluator.vertexOrder()), radiance);
   return radiance;
 }
 
@@ -102,12 +102,15 @@ ShLight allLight(std::span<const Float3> light, std::span<const Float3> near_lig
 }  // namespace
 
 std::vector<float> lobeRows(const formats::Pack& pack, std::span<const double> kernel, const Vec3& eye,
-                            bool object_frame) {
+                            bool object_frame, std::span<const std::uint32_t> vertex_order) {
+  constexpr std::size_t kTile = GlossyEvaluator::kTile;
   checkFrames(pack);
   const int order = static_cast<int>(kernel.size());
-  const std::size_t count = coefficientCount(order), vertices = pack.mesh.vertexCount();
-  std::vector<float> rows(count * vertices);
-  tbb::parallel_for(std::size_t{0}, vertices, [&](std::size_t vertex) {
+  const std::size_t count = coefficientCount(order);
+  std::vector<float> rows(count * vertex_order.size());
+  tbb::parallel_for(std::size_t{0}, vertex_order.size(), [&](std::size_t place) {
+    const std::uint32_t vertex = vertex_order[place];
+    float* const tile_rows = &rows[place / kTile * kTile * count + place % kTile];
     const Eigen::Matrix3d frame = objectFromLocal(pack, vertex);
     const Vec3 local_eye = frame.transpose() * towardsEye(pack, vertex, eye);
     std::array<double, kMaxOrder * kMaxOrder> row;
@@ -119,7 +122,7 @@ std::vector<float> lobeRows(const formats::Pack& pack, std::span<const double> k
     } else {
       lobeRow(kernel, local_eye, row);
     }
-    for (std::size_t i = 0; i < count; ++i) rows[i * vertices + vertex] = static_cast<float>(row[i]);
+    for (std::size_t i = 0; i < count; ++i) tile_rows[i * kTile] = static_cast<float>(row[i]);
   });
   return rows;
 }

@@ -43,7 +43,6 @@ constexpr int kDirections = 1024;  // the tables' values matter little here
 constexpr int kClusters = 64, kComponents = 8;
 constexpr int kRounds = 60;
 constexpr int kRepeats = 4;  // of one kind in a round; the first warms the caches and is not counted
-constexpr std::size_t kChainSteps = 200000;
 
 std::filesystem::path data(const std::string& path) {
   const char* folder = std::getenv("BAKELIGHT_DATA");
@@ -118,25 +117,27 @@ const transport::ShLight& light() {
   return projected;
 }
 
-std::vector<float> eyeRows(bool object_frame) {
+std::vector<float> eyeRows(bool object_frame, std::span<const std::uint32_t> vertex_order) {
   formats::Pack pack = bunny();
   pack.transfer.tangents = matrices().tangents;
   const transport::BoundingSphere sphere = transport::boundingSphere(pack.mesh);
   const transport::Vec3 eye = sphere.center + 3 * sphere.radius * transport::Vec3(0.3, 0.4, 1).normalized();
-  return transport::lobeRows(pack, transport::phongKernel(kOrder, 20), eye, object_frame);
+  return transport::lobeRows(pack, transport::phongKernel(kOrder, 20), eye, object_frame, vertex_order);
 }
 
 // Full matrices at single precision, summed in double.
 std::vector<std::array<double, 3>> exactRadiance() {
-  const std::vector<float> rows = eyeRows(false);
+  const transport::GlossyEvaluator order_of_tiles(stored(MatrixStorage::kMatrix, Precision::kFloat32));
+  const std::vector<float> rows = eyeRows(false, order_of_tiles.vertexOrder());
+  constexpr std::size_t kTile = transport::GlossyEvaluator::kTile;
   const std::size_t count = bunny().mesh.vertexCount(), n = kOrder * kOrder;
   std::vector<std::array<double, 3>> radiance(count);
   for (std::size_t v = 0; v < count; ++v)
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = 0; j < n; ++j)
         for (std::size_t c = 0; c < 3; ++c)
-          radiance[v][c] +=
-              double{rows[i * count + v]} * matrices().matrices[v * kCells + i * n + j] * light()[j][c];
+          radiance[v][c] += double{rows[(v / kTile * n + i) * kTile + v % kTile]} *
+                            matrices().matrices[v * kCells + i * n + j] * light()[j][c];
   return radiance;
 }
 
@@ -172,7 +173,7 @@ void measure(const Work& work, std::vector<double>& seconds) {
 
 void shade(benchmark::State& state, MatrixStorage storage, Precision precision) {
   const transport::GlossyEvaluator evaluator(stored(storage, precision));
-  const std::vector<float> rows = eyeRows(storage == MatrixStorage::kVisibility);
+  const std::vector<float> rows = eyeRows(storage == MatrixStorage::kVisibility, evaluator.vertexOrder());
   const std::size_t vertices = bunny().mesh.vertexCount();
   std::vector<Float3> radiance(vertices);
 
@@ -182,6 +183,12 @@ void shade(benchmark::State& state, MatrixStorage storage, Precision precision) 
   const auto buffer = hwy::AllocateAligned<float>(buffer_size);
   std::fill_n(buffer.get(), buffer_size, 1.0f);
 
+  // As many multiply-adds as the evaluation makes, so that waking the threads weighs the same in both.
+  constexpr std::size_t kTrialSteps = 4096;
+  float trial = 0;
+  const auto chain_steps = static_cast<std::size_t>(std::lround(
+      kTrialSteps * evaluator.multiplyAdds() / multiplyAddChains(kTrialSteps, trial)));
+
   for (auto _ : state) {
     std::vector<double> shade_s, read_s, chains_s;
     double chained = 0;
@@ -189,7 +196,7 @@ void shade(benchmark::State& state, MatrixStorage storage, Precision precision) 
     for (int round = 0; round < kRounds; ++round) {
       measure([&] { evaluator.shade(light(), rows, radiance); }, shade_s);
       measure([&] { sink += static_cast<float>(readSum({buffer.get(), buffer_size})); }, read_s);
-      measure([&] { chained = multiplyAddChains(kChainSteps, sink); }, chains_s);
+      measure([&] { chained = multiplyAddChains(chain_steps, sink); }, chains_s);
     }
     benchmark::DoNotOptimize(sink);
     const double buffer_bytes = static_cast<double>(buffer_size * sizeof(float));

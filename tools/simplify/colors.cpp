@@ -50,6 +50,41 @@ Vec3 lookUp(const Image& texture, double u, double v) {
   return color;
 }
 
+// The texture and its halves, so that a sample takes the mean of what it stands for.
+std::vector<Image> halvings(const Image* texture) {
+  std::vector<Image> levels;
+  if (texture == nullptr) return levels;
+  levels.push_back(*texture);
+  while (levels.back().width > 1 || levels.back().height > 1) {
+    const Image& fine = levels.back();
+    Image coarse(std::max(fine.width / 2, 1), std::max(fine.height / 2, 1), fine.channel_names);
+    for (int y = 0; y < coarse.height; ++y)
+      for (int x = 0; x < coarse.width; ++x)
+        for (std::size_t c = 0; c < 3; ++c) {
+          const int right = std::min(2 * x + 1, fine.width - 1), below = std::min(2 * y + 1, fine.height - 1);
+          coarse.texel(x, y)[c] = (fine.texel(2 * x, 2 * y)[c] + fine.texel(right, 2 * y)[c] +
+                                   fine.texel(2 * x, below)[c] + fine.texel(right, below)[c]) /
+                                  4;
+        }
+    levels.push_back(std::move(coarse));
+  }
+  return levels;
+}
+
+// The level at which a sample that stands for `area` of a source triangle covers about one texel.
+const Image& levelFor(const std::vector<Image>& levels, const TriangleMesh& source, const WorkingMesh& shape,
+                      std::uint32_t triangle, double area) {
+  const auto& [a, b, c] = source.triangles[triangle];
+  const auto &s = source.texcoords[a], &t = source.texcoords[b], &u = source.texcoords[c];
+  const double across = (t[0] - s[0]) * (u[1] - s[1]) - (t[1] - s[1]) * (u[0] - s[0]);
+  const double texels = std::abs(across) * levels.front().width * levels.front().height;
+  const double surface = shape.areaVector(triangle).norm();
+  const double covered = surface > 0 ? texels * area / surface : 0;
+  const int level = covered > 1 ? static_cast<int>(std::lround(0.5 * std::log2(covered))) : 0;
+  return levels[std::min<std::size_t>(level, levels.size() - 1)];
+}
+
+// `texture` is null if the source's own colours count.
 Vec3 colorAt(const TriangleMesh& source, const Image* texture, const SurfacePoint& point) {
   const auto& corners = source.triangles[point.triangle];
   if (texture == nullptr) {
@@ -97,6 +132,7 @@ std::vector<Float3> carryAlbedo(const TriangleMesh& source, const Image* texture
   const SurfaceQuery original(workingMesh(source));
   const WorkingMesh target = workingMesh(simplified);
   const std::vector<Vec3> weights = sampleWeights();
+  const std::vector<Image> levels = halvings(texture);
   std::vector<std::array<Vec3, 3>> shares(target.triangles.size());  // of each triangle, for its corners
   std::vector<double> areas(target.triangles.size());
   tbb::parallel_for(std::size_t{0}, target.triangles.size(), [&](std::size_t t) {
@@ -108,7 +144,11 @@ std::vector<Float3> carryAlbedo(const TriangleMesh& source, const Image* texture
           w[0] * target.corner(t, 0) + w[1] * target.corner(t, 1) + w[2] * target.corner(t, 2);
       SurfacePoint point = original.closestFacing(position, area);
       if (!point.valid) point = original.closest(position);  // the source is inside out here
-      const Vec3 color = colorAt(source, texture, point) / static_cast<double>(weights.size());
+      const double sample_area = areas[t] / static_cast<double>(weights.size());
+      const Image* level = texture == nullptr
+                               ? nullptr
+                               : &levelFor(levels, source, original.mesh(), point.triangle, sample_area);
+      const Vec3 color = colorAt(source, level, point) / static_cast<double>(weights.size());
       for (int k = 0; k < 3; ++k) shares[t][k] += w[k] * color;
     }
   });

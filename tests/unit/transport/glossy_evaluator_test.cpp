@@ -91,6 +91,19 @@ std::vector<double> matrixOf(const RadianceTransfer& transfer, const std::vector
   return matrix;
 }
 
+// Rows given as coefficients × vertices, in the order that the evaluator asks for.
+std::vector<float> inTiles(const GlossyEvaluator& evaluator, std::span<const float> rows,
+                           std::size_t vertices) {
+  constexpr std::size_t kTile = GlossyEvaluator::kTile;
+  const auto order = evaluator.vertexOrder();
+  const std::size_t count = rows.size() / vertices;
+  std::vector<float> tiles(order.size() * count);
+  for (std::size_t place = 0; place < order.size(); ++place)
+    for (std::size_t i = 0; i < count; ++i)
+      tiles[(place / kTile * count + i) * kTile + place % kTile] = rows[i * vertices + order[place]];
+  return tiles;
+}
+
 class GlossyEvaluatorCases : public testing::TestWithParam<Case> {
  protected:
   void SetUp() override {
@@ -132,7 +145,7 @@ TEST_P(GlossyEvaluatorCases, EqualsPlainSums) {
     const std::string target = hwy::TargetName(left & -left);
     const GlossyEvaluator evaluator(transfer);
     std::vector<Float3> shaded(count);
-    evaluator.shade(light_, rows_, shaded);
+    evaluator.shade(light_, inTiles(evaluator, rows_, GetParam().vertices), shaded);
     const std::vector<Float3> found = evaluator.transferredRadiance(light_);
     hwy::SetSupportedTargetsForTest(0);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
@@ -155,11 +168,11 @@ TEST_P(GlossyEvaluatorCases, GivesTheSameBytesWithAnyNumberOfThreads) {
   std::vector<Float3> one_transferred;
   {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
-    evaluator.shade(light_, rows_, one);
+    evaluator.shade(light_, inTiles(evaluator, rows_, GetParam().vertices), one);
     one_transferred = evaluator.transferredRadiance(light_);
   }
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 5);
-  evaluator.shade(light_, rows_, many);
+  evaluator.shade(light_, inTiles(evaluator, rows_, GetParam().vertices), many);
   EXPECT_EQ(one, many);
   EXPECT_EQ(one_transferred, evaluator.transferredRadiance(light_));
 }
@@ -167,7 +180,8 @@ TEST_P(GlossyEvaluatorCases, GivesTheSameBytesWithAnyNumberOfThreads) {
 TEST_P(GlossyEvaluatorCases, IsBlackWithoutLight) {
   const GlossyEvaluator evaluator(someTransfer(GetParam()));
   std::vector<Float3> radiance(GetParam().vertices, Float3{1, 1, 1});
-  evaluator.shade(std::vector<Float3>(light_.size()), rows_, radiance);
+  evaluator.shade(std::vector<Float3>(light_.size()), inTiles(evaluator, rows_, GetParam().vertices),
+                  radiance);
   for (const Float3& color : radiance) EXPECT_EQ(color, (Float3{0, 0, 0}));
 }
 
@@ -210,9 +224,9 @@ TEST(GlossyEvaluator, RefusesWhatDoesNotFit) {
   EXPECT_THROW(GlossyEvaluator{wrong}, std::invalid_argument);
   const GlossyEvaluator evaluator(transfer);
   std::vector<Float3> radiance(10);
-  const std::vector<float> rows(9 * 10);
+  const std::vector<float> rows(9 * 16);
   EXPECT_THROW(evaluator.shade(std::vector<Float3>(8), rows, radiance), std::invalid_argument);
-  EXPECT_THROW(evaluator.shade(std::vector<Float3>(9), std::vector<float>(89), radiance),
+  EXPECT_THROW(evaluator.shade(std::vector<Float3>(9), std::vector<float>(9 * 10), radiance),
                std::invalid_argument);
 }
 
