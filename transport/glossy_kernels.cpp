@@ -168,39 +168,53 @@ void transferSlots(const float* lanes, const std::uint16_t* slots, MatrixShape s
       }
 }
 
-// Sums of one source list each, so that a vector that was loaded serves all of them.
-template <std::size_t kSums>
-HWY_INLINE void sumBatch(const std::uint16_t* source, const float* factor, std::size_t length,
-                         const float* lanes, float* result) {
-  for (std::size_t lane = 0; lane < kTile; lane += kLanes) {
-    Vector sums[kSums];
-#pragma GCC unroll 4
-    for (std::size_t s = 0; s < kSums; ++s) sums[s] = hn::Zero(kFloats);
-    for (std::size_t e = 0; e < length; ++e) {
-      const Vector value = hn::Load(kFloats, lanes + source[e] + lane);
-#pragma GCC unroll 4
-      for (std::size_t s = 0; s < kSums; ++s)
-        sums[s] = hn::MulAdd(value, hn::Set(kFloats, factor[e * kSums + s]), sums[s]);
-    }
-#pragma GCC unroll 4
-    for (std::size_t s = 0; s < kSums; ++s) hn::Store(sums[s], kFloats, result + s * kTile + lane);
-  }
-}
-
 struct SumCursor {
   const std::uint16_t* source;
   const float* factor;
   float* result;
 };
 
+// kBatches batches side by side, each of kSums sums over one source list, so that a vector that was loaded
+// serves all of a batch and enough sums are under way to hide the latency of a multiply-add.
+template <std::size_t kBatches, std::size_t kSums>
+HWY_INLINE void sumSideBySide(SumCursor cursor, std::size_t length, const float* lanes) {
+  for (std::size_t lane = 0; lane < kTile; lane += kLanes) {
+    Vector sums[kBatches * kSums];
+#pragma GCC unroll 8
+    for (std::size_t s = 0; s < kBatches * kSums; ++s) sums[s] = hn::Zero(kFloats);
+    for (std::size_t e = 0; e < length; ++e)
+#pragma GCC unroll 8
+      for (std::size_t batch = 0; batch < kBatches; ++batch) {
+        const Vector value = hn::Load(kFloats, lanes + cursor.source[batch * length + e] + lane);
+#pragma GCC unroll 4
+        for (std::size_t s = 0; s < kSums; ++s)
+          sums[batch * kSums + s] =
+              hn::MulAdd(value, hn::Set(kFloats, cursor.factor[(batch * length + e) * kSums + s]),
+                         sums[batch * kSums + s]);
+      }
+#pragma GCC unroll 8
+    for (std::size_t s = 0; s < kBatches * kSums; ++s)
+      hn::Store(sums[s], kFloats, cursor.result + s * kTile + lane);
+  }
+}
+
 template <std::size_t kSums>
 HWY_INLINE SumCursor sumBatches(const SumGroup& group, SumCursor cursor, const float* lanes) {
+  constexpr std::size_t kSideBySide = kSums > 2 ? 1 : 4 / kSums;  // more would spill registers
   const std::size_t length = group.length;
-  for (std::size_t batch = 0; batch < group.batches; ++batch) {
-    sumBatch<kSums>(cursor.source, cursor.factor, length, lanes, cursor.result);
-    cursor.source += length;
-    cursor.factor += length * kSums;
-    cursor.result += kSums * kTile;
+  const auto advance = [&](std::size_t batches) {
+    cursor.source += batches * length;
+    cursor.factor += batches * length * kSums;
+    cursor.result += batches * kSums * kTile;
+  };
+  std::size_t batch = 0;
+  for (; batch + kSideBySide <= group.batches; batch += kSideBySide) {
+    sumSideBySide<kSideBySide, kSums>(cursor, length, lanes);
+    advance(kSideBySide);
+  }
+  for (; batch < group.batches; ++batch) {
+    sumSideBySide<1, kSums>(cursor, length, lanes);
+    advance(1);
   }
   return cursor;
 }
