@@ -40,13 +40,7 @@ PointFigures ShadowPass::trace(const SurfacePoint& point,
   Hemisphere& hemisphere = work.hemisphere;
   hemisphere.collect(quadrature_, point.normal);
   scene_.occluded(point.origin, hemisphere.rays, 0, std::span(work.blocked).first(hemisphere.count));
-  work.blocked_directions.clear(), work.blocked_cosines.clear();
-  work.visible_directions.clear(), work.visible_cosines.clear();
-  for (std::size_t k = 0; k < hemisphere.count; ++k) {
-    const bool blocked = work.blocked[k] != 0;
-    (blocked ? work.blocked_directions : work.visible_directions).push_back(hemisphere.directions[k]);
-    (blocked ? work.blocked_cosines : work.visible_cosines).push_back(hemisphere.cosines[k]);
-  }
+  listBlocked(work);
 
   PointFigures figures;
   figures.rays = static_cast<std::uint32_t>(hemisphere.count);
@@ -62,6 +56,33 @@ PointFigures ShadowPass::trace(const SurfacePoint& point,
     figures.blocked_rays.assign(work.blocked.begin(),
                                 work.blocked.begin() + static_cast<std::ptrdiff_t>(hemisphere.count));
   return figures;
+}
+
+namespace {
+
+// Every direction is written and the end moves on only past those wanted, as the branch would be mispredicted
+// too often.
+void compact(const Hemisphere& hemisphere, std::span<const std::uint8_t> flags, std::uint8_t wanted,
+             std::vector<std::uint32_t>& directions, std::vector<float>& cosines) {
+  directions.resize(hemisphere.count + 1);
+  cosines.resize(hemisphere.count + 1);
+  std::size_t end = 0;
+  for (std::size_t k = 0; k < hemisphere.count; ++k) {
+    directions[end] = hemisphere.directions[k];
+    cosines[end] = hemisphere.cosines[k];
+    end += flags[k] == wanted ? 1 : 0;
+  }
+  directions.resize(end);
+  cosines.resize(end);
+}
+
+}  // namespace
+
+void ShadowPass::listBlocked(Workspace& work) {
+  compact(work.hemisphere, work.blocked, 1, work.blocked_directions, work.blocked_cosines);
+}
+void ShadowPass::listVisible(Workspace& work) {
+  compact(work.hemisphere, work.blocked, 0, work.visible_directions, work.visible_cosines);
 }
 
 // Nearest hits are dearer than any hit, so only the rays that are known to hit something look for theirs.
@@ -100,7 +121,7 @@ void ShadowPass::combine(const SurfacePoint& point, const PointTransfer& result,
     quadrature_.accumulate(work.hemisphere.usedDirections(), work.hemisphere.usedCosines(), count,
                            work.all_sums);
     quadrature_.accumulate(work.blocked_directions, work.blocked_cosines, count, work.blocked_sums);
-    const bool sees_light = !work.visible_directions.empty();
+    const bool sees_light = work.blocked_directions.size() < work.hemisphere.count;
     // Coefficient 0 is constant, so its sums are the cosine-weighted counts.
     const double visible = sees_light ? 1 - work.blocked_sums[0] / work.all_sums[0] : 0;
     const double weight = quadrature_.weight() / std::numbers::pi;
@@ -114,6 +135,7 @@ void ShadowPass::combine(const SurfacePoint& point, const PointTransfer& result,
     figures.quadrature_error = static_cast<float>(error);
   }
   if (options_.sphere) {
+    listVisible(work);
     nearFieldDifference(*options_.sphere, vec3(point.origin), options_.order, quadrature_,
                         work.visible_directions, work.visible_cosines, std::span(difference).first(count));
     for (std::size_t i = 0; i < count; ++i)
@@ -122,30 +144,21 @@ void ShadowPass::combine(const SurfacePoint& point, const PointTransfer& result,
   if (options_.visibility_order > 0) combineVisibility(point, result.visibility, work);
 }
 
-// The same for the visibility itself: the hemisphere in place of the clamped cosine.
+// The visibility itself, from whichever are fewer: the closed form of the hemisphere less what is blocked, or
+// what is visible. Exact for a point that nothing blocks and for one that sees nothing.
 void ShadowPass::combineVisibility(const SurfacePoint& point, std::span<float> visibility,
                                    Workspace& work) const {
-  const std::vector<double> exact = transport::orientZonal(hemisphere_zonal_, vec3(point.normal));
-  if (work.blocked_directions.empty()) {
-    std::copy(exact.begin(), exact.end(), visibility.begin());
-    return;
-  }
-  if (work.visible_directions.empty()) {
-    std::fill(visibility.begin(), visibility.end(), 0.0f);
-    return;
-  }
-  std::fill(work.all_sums.begin(), work.all_sums.end(), 0.0);
+  const bool mostly_open = 2 * work.blocked_directions.size() <= work.hemisphere.count;
+  if (!mostly_open) listVisible(work);
+  const std::vector<std::uint32_t>& chosen = mostly_open ? work.blocked_directions : work.visible_directions;
   std::fill(work.blocked_sums.begin(), work.blocked_sums.end(), 0.0);
-  quadrature_.accumulate(work.hemisphere.usedDirections(), std::span(work.ones).first(work.hemisphere.count),
-                         exact.size(), work.all_sums);
-  quadrature_.accumulate(work.blocked_directions, std::span(work.ones).first(work.blocked_directions.size()),
-                         exact.size(), work.blocked_sums);
-  const double visible = 1 - work.blocked_sums[0] / work.all_sums[0];
-  for (std::size_t i = 0; i < exact.size(); ++i) {
-    const double all = quadrature_.weight() * work.all_sums[i];
-    const double blocked = quadrature_.weight() * work.blocked_sums[i];
-    visibility[i] = static_cast<float>(visible * exact[i] + (1 - visible) * all - blocked);
-  }
+  quadrature_.accumulate(chosen, std::span(work.ones).first(chosen.size()), visibility.size(),
+                         work.blocked_sums);
+  std::vector<double> open(visibility.size(), 0.0);
+  if (mostly_open) open = transport::orientZonal(hemisphere_zonal_, vec3(point.normal));
+  const double weight = mostly_open ? -quadrature_.weight() : quadrature_.weight();
+  for (std::size_t i = 0; i < visibility.size(); ++i)
+    visibility[i] = static_cast<float>(open[i] + weight * work.blocked_sums[i]);
 }
 
 // Cosine-weighted shares of the hemisphere, normalised over the directions that were traced: blocked and

@@ -60,6 +60,8 @@ class ShadowPass {
   const formats::TriangleMesh& mesh() const { return mesh_; }
 
  private:
+  static void listBlocked(Workspace& work);
+  static void listVisible(Workspace& work);
   void traceBlocked(const SurfacePoint& point, Workspace& work) const;
   void combine(const SurfacePoint& point, const PointTransfer& result, Workspace& work,
                PointFigures& figures) const;
@@ -82,6 +84,7 @@ struct ShadowPass::Workspace {
   std::vector<std::uint8_t> blocked;  // of the hemisphere's directions
   transport::RayBundle blocked_rays;  // the first blocked_directions.size() of them count
   transport::HitBundle hits;          // likewise
+  // The hemisphere's directions parted in two. What is visible is listed only where it is summed up itself.
   std::vector<std::uint32_t> blocked_directions, visible_directions;
   std::vector<float> blocked_cosines, visible_cosines, ones;
   std::vector<double> all_sums, blocked_sums;
