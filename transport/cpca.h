@@ -11,7 +11,7 @@ namespace bakelight::transport {
 
 struct CpcaOptions {
   int clusters = 64;    // at most; a cluster that loses its members is dropped
-  int components = 8;   // weights a vector
+  int components = 16;  // weights a vector
   int iterations = 12;  // rounds of reassignment to the cluster of least error
 };
 

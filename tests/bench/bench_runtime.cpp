@@ -40,7 +40,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int kTriangles = 21596;  // about 10,800 vertices
 constexpr int kOrder = 5;
 constexpr int kDirections = 1024;  // the tables' values matter little here
-constexpr int kClusters = 64, kComponents = 8;
+constexpr int kClusters = 64, kComponents = 16;
 constexpr int kRounds = 60;
 constexpr int kRepeats = 4;  // of one kind in a round; the first warms the caches and is not counted
 
