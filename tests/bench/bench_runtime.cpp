@@ -186,8 +186,8 @@ void shade(benchmark::State& state, MatrixStorage storage, Precision precision) 
   // As many multiply-adds as the evaluation makes, so that waking the threads weighs the same in both.
   constexpr std::size_t kTrialSteps = 4096;
   float trial = 0;
-  const auto chain_steps = static_cast<std::size_t>(std::lround(
-      kTrialSteps * evaluator.multiplyAdds() / multiplyAddChains(kTrialSteps, trial)));
+  const auto chain_steps = static_cast<std::size_t>(
+      std::lround(kTrialSteps * evaluator.multiplyAdds() / multiplyAddChains(kTrialSteps, trial)));
 
   for (auto _ : state) {
     std::vector<double> shade_s, read_s, chains_s;
