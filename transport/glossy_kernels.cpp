@@ -182,7 +182,7 @@ HWY_INLINE void sumSideBySide(SumCursor cursor, std::size_t length, const float*
     Vector sums[kBatches * kSums];
 #pragma GCC unroll 8
     for (std::size_t s = 0; s < kBatches * kSums; ++s) sums[s] = hn::Zero(kFloats);
-    for (std::size_t e = 0; e < length; ++e)
+    for (std::size_t e = 0; e < length; ++e) {
 #pragma GCC unroll 8
       for (std::size_t batch = 0; batch < kBatches; ++batch) {
         const Vector value = hn::Load(kFloats, lanes + cursor.source[batch * length + e] + lane);
@@ -192,6 +192,7 @@ HWY_INLINE void sumSideBySide(SumCursor cursor, std::size_t length, const float*
               hn::MulAdd(value, hn::Set(kFloats, cursor.factor[(batch * length + e) * kSums + s]),
                          sums[batch * kSums + s]);
       }
+    }
 #pragma GCC unroll 8
     for (std::size_t s = 0; s < kBatches * kSums; ++s)
       hn::Store(sums[s], kFloats, cursor.result + s * kTile + lane);

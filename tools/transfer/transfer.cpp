@@ -10,6 +10,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "formats/error.h"
 #include "tools/transfer/buried.h"
 #include "tools/transfer/matrices.h"
 #include "tools/transfer/shadow_pass.h"
@@ -62,6 +63,10 @@ class Baker {
     result_.channels = interreflected && !std::all_of(albedo_.begin(), albedo_.end(), isGray) ? 3 : 1;
     if (options.sphere_radius > 0) {
       const transport::BoundingSphere bounds = transport::boundingSphere(mesh);
+      if (bounds.radius == 0)
+        throw badInput({"", "mesh", "/near_field"},
+                       "the mesh has no extent, so no virtual sphere is around it",
+                       "vertices at two places or more", "leave near_field out");
       result_.sphere = {bounds.center, options.sphere_radius * bounds.radius};
     }
   }

@@ -139,6 +139,28 @@ INSTANTIATE_TEST_SUITE_P(Fractions, SphericalCavity,
                                          CavityCase{0.01, 0.9}, CavityCase{0.01, 0.99},
                                          CavityCase{0.01, 0.999}));
 
+// Band 0 is that of the closed form whatever bands come along.
+class CavityOrder : public testing::TestWithParam<int> {};
+
+TEST_P(CavityOrder, RadiosityIsTheClosedForm) {
+  static const Cavity cavity = sphericalCavity(0.25, 2);
+  const float albedo = 0.99f;
+  const std::vector<Float3> albedos = {{albedo, albedo, albedo}};
+  const Transfer baked =
+      bake(cavity.mesh, {.order = GetParam(), .directions = 4096, .transport = Transport::kInterreflected},
+           albedos);
+  const double f = cavity.mean_open_fraction, expected = albedo * kPi * f / (1 - albedo * (1 - f));
+  int compared = 0;
+  for (std::size_t v = 0; v < cavity.mesh.vertexCount(); ++v) {
+    if (cavity.open_fraction[v] < 0) continue;
+    EXPECT_NEAR(radiosity(baked, GetParam(), v, albedo) / expected, 1, 0.01) << "vertex " << v;
+    ++compared;
+  }
+  EXPECT_GT(compared, 60);
+}
+
+INSTANTIATE_TEST_SUITE_P(Orders, CavityOrder, testing::Range(1, 11));
+
 // The accelerated solve and a thousand and a half plain bounces agree.
 TEST(Cavity, AcceleratedSolveEqualsManyBounces) {
   const Cavity cavity = sphericalCavity(0.01, 3);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "formats/error.h"
 #include "tests/support/shapes.h"
 #include "tests/unit/transfer/bake.h"
 #include "transport/sh.h"
@@ -103,6 +104,13 @@ TEST(NearField, APlaneIsShadedUnevenly) {
     for (std::size_t i = 0; i < 25; ++i) lit[v] += baked.near_vectors[25 * v + i] * light[i];
   EXPECT_GT(lit[2], 1.3 * lit[1]);
   EXPECT_GT(lit[1], 1.3 * lit[0]);
+}
+
+TEST(NearField, AMeshWithoutExtentHasNoSphereAroundIt) {
+  TriangleMesh point;
+  point.positions = {{1, 2, 3}};
+  point.normals = {{0, 0, 1}};
+  EXPECT_THROW(bake(point, nearField(3, 2)), Error);
 }
 
 TEST(NearField, ShadowsAndBouncesApplyToo) {
