@@ -109,15 +109,7 @@ ShLight projectCubeMap(const formats::Image& strip, int order, const std::string
     rows[row] = cubeRowSums(rgb, layout, row / layout.resolution_px, row % layout.resolution_px, order);
   });
 
-  // Summed in row order: the same bytes whatever the number of threads.
-  const int count = coefficientCount(order);
-  std::vector<double> total(3 * static_cast<std::size_t>(count), 0.0);
-  for (const auto& row : rows)
-    for (std::size_t i = 0; i < total.size(); ++i) total[i] += row[i];
-  ShLight light(count);
-  for (int i = 0; i < count; ++i)
-    for (int c = 0; c < 3; ++c) light[i][c] = static_cast<float>(total[c * count + i]);
-  return light;
+  return lightFromParts(rows, order);
 }
 
 }  // namespace bakelight::transport

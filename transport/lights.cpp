@@ -94,11 +94,14 @@ ShLight projectLatLong(const formats::Image& image, int order, const std::string
   std::vector<std::vector<double>> rows(image.height);
   tbb::parallel_for(0, image.height, [&](int row) { rows[row] = rowSums(image, row, order, channels); });
 
-  // Summed in row order: the same bytes whatever the number of threads.
+  return lightFromParts(rows, order);
+}
+
+ShLight lightFromParts(std::span<const std::vector<double>> parts, int order) {
   const int count = coefficientCount(order);
   std::vector<double> total(3 * static_cast<std::size_t>(count), 0.0);
-  for (const auto& row : rows)
-    for (std::size_t i = 0; i < total.size(); ++i) total[i] += row[i];
+  for (const auto& part : parts)
+    for (std::size_t i = 0; i < total.size(); ++i) total[i] += part[i];
   ShLight light(count);
   for (int i = 0; i < count; ++i)
     for (int c = 0; c < 3; ++c) light[i][c] = static_cast<float>(total[c * count + i]);

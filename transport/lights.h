@@ -28,6 +28,10 @@ ShLight projectLatLong(const formats::Image& image, int order, const std::string
 // The image's light with exactly the channels R, G, B; names and errors as for projectLatLong.
 formats::Image rgbImage(const formats::Image& image, const std::string& file);
 
+// From the sums over parts of an image ([colour · order² + i] each), added up in their order, so that the
+// same bytes come whatever the threads that made them.
+ShLight lightFromParts(std::span<const std::vector<double>> parts, int order);
+
 // Radiance towards `direction`, bilinear across texel centres, wrapping around in longitude.
 Float3 lookUpLatLong(const formats::Image& image, const Vec3& direction);
 

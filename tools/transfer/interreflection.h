@@ -48,7 +48,8 @@ struct InterreflectionReport {
   // of x0.
   std::vector<double> added_energy;
   std::string solver = "passes";  // or "gmres", where bounces would have added up too slowly
-  // Upper bound of ‖error‖ ÷ ‖x‖: the next bounce ÷ (1 − largest share of light that a point gets back).
+  // Estimate of ‖error‖ ÷ ‖x‖ from above: the next bounce ÷ (1 − largest share of light that a point gets
+  // back). A bound in the maximum norm; norms here are root mean squares over points and coefficients.
   double error_bound = 0;
   double largest_return = 0;  // max over points of Σ F ρ: below 1 unless a cavity is closed and white
   bool converged = true;

@@ -97,7 +97,7 @@ TEST(LobeRow, ConvolvesAtTheReflectionDirection) {
   // Gauss–Legendre over the lobe's own hemisphere, in a frame around the reflection direction.
   const Vec3 side = reflection.unitOrthogonal(), up = reflection.cross(side);
   double expected = 0;
-  for (const auto& [z, weight] : gaussLegendre(24))
+  for (const auto& [z, weight] : gaussLegendreRule(24))
     for (int j = 0; j < 48; ++j) {
       const double cosine = (z + 1) / 2, sine = std::sqrt(1 - cosine * cosine), phi = 2 * kPi * j / 48;
       const Vec3 s = sine * std::cos(phi) * side + sine * std::sin(phi) * up + cosine * reflection;

@@ -125,7 +125,7 @@ TEST(Lights, RotatingADiskMovesItsAxis) {
 
 // ∫ y_lm over the disk, by Gauss–Legendre between its edge and its centre and equal steps around it.
 TEST(Lights, DiskEqualsQuadratureAtAllOrdersAndAngles) {
-  const auto heights = gaussLegendre(12);  // exact to degree 23
+  const auto heights = gaussLegendreRule(12);  // exact to degree 23
   constexpr int kColumns = 24;
   for (const double half_angle : {0.0, 1e-4, 0.005, 0.3, 1.0, kPi / 2, 2.0, 3.0, kPi}) {
     const double edge = std::cos(half_angle), half_height = std::pow(std::sin(half_angle / 2), 2);

@@ -84,7 +84,7 @@ TEST_P(ShOrder, ClampedCosineFactorsMatchQuadrature) {
   const std::vector<double> factors = clampedCosineFactors(order);
   for (int l = 0; l < order; ++l) {
     double integral = 0;
-    for (const auto& [node, weight] : gaussLegendre(16)) {
+    for (const auto& [node, weight] : gaussLegendreRule(16)) {
       const double z = (node + 1) / 2;
       integral += weight / 2 * 2 * kPi * z * legendre(order + 1, z)[l];
     }
@@ -98,7 +98,7 @@ TEST_P(ShOrder, DiskLightMatchesQuadrature) {
     const std::vector<double> zonal = diskLightZonal(order, half_angle);
     for (int l = 0; l < order; ++l) {
       double integral = 0;
-      for (const auto& [node, weight] : gaussLegendre(16)) {
+      for (const auto& [node, weight] : gaussLegendreRule(16)) {
         // z runs over [cos a, 1]; its length is 2 sin²(a/2).
         const double length = 2 * std::pow(std::sin(half_angle / 2), 2), z = 1 - length * (1 - node) / 2;
         integral +=
