@@ -302,4 +302,18 @@ LightRig readLightRig(const fs::path& path) {
   return rig;
 }
 
+LightRig readLights(const std::filesystem::path& environment_path, const std::filesystem::path& rig_path,
+                    double windowing) {
+  LightRig rig;
+  if (!rig_path.empty()) rig = readLightRig(rig_path);
+  if (!environment_path.empty()) {
+    EnvironmentLight environment;
+    environment.path = environment_path;
+    environment.image = readImage(environment_path);
+    rig.distant.emplace_back(std::move(environment));
+  }
+  if (windowing != 0) rig.windowing = windowing;
+  return rig;
+}
+
 }  // namespace bakelight::formats

@@ -12,4 +12,10 @@ namespace bakelight::formats {
 // without any light.
 LightRig readLightRig(const std::filesystem::path& path);
 
+// All lights that tools are given by --environment (a lat-long image) and --lights (a rig): their sum. Either
+// path may be empty; both empty is a rig without lights. `windowing`: 0 leaves the rig's own, else as in
+// LightRig. Throws what readImage and readLightRig throw.
+LightRig readLights(const std::filesystem::path& environment_path, const std::filesystem::path& rig_path,
+                    double windowing = 0);
+
 }  // namespace bakelight::formats

@@ -20,7 +20,7 @@ constexpr const char* kUsage =
 
 struct Arguments {
   bakelight::tests::PlayerLights lights;
-  bakelight::player::FrameSettings settings;
+  bakelight::formats::FrameSettings settings;
 };
 
 Arguments parse(int argc, char** argv, int first) {

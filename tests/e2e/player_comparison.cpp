@@ -7,12 +7,14 @@
 #include <vector>
 
 #include "formats/image.h"
+#include "formats/light_rig_file.h"
 #include "formats/pack.h"
 #include "tests/e2e/silhouette.h"
-#include "tools/player/light_file.h"
 #include "transport/cpu_renderer.h"
+#include "transport/frame.h"
 #include "transport/glossy_evaluator.h"
 #include "transport/light_rig.h"
+#include "transport/lighting.h"
 
 namespace bakelight::tests {
 namespace {
@@ -27,7 +29,7 @@ std::string quoted(const fs::path& path) {
 }
 
 void runPlayer(const fs::path& executable, const fs::path& pack_path, const PlayerLights& lights,
-               const player::FrameSettings& settings, const fs::path& picture_path) {
+               const formats::FrameSettings& settings, const fs::path& picture_path) {
   std::string command =
       quoted(executable) + " --pack " + quoted(pack_path) + " --image " + quoted(picture_path);
   if (!lights.environment_path.empty()) command += " --environment " + quoted(lights.environment_path);
@@ -51,7 +53,7 @@ void runPlayer(const fs::path& executable, const fs::path& pack_path, const Play
   option("cube-resolution", std::to_string(lights.cube_resolution));
   option("auto-exposure", settings.auto_exposure ? "true" : "false");
   option("exposure-ev", std::to_string(settings.exposure_ev));
-  option("background", player::backgroundNames()[static_cast<std::size_t>(settings.background)]);
+  option("background", formats::backgroundNames()[static_cast<std::size_t>(settings.background)]);
   const int status = std::system(command.c_str());
   if (status != 0) throw std::runtime_error("failed (" + std::to_string(status) + "): " + command);
 }
@@ -64,12 +66,12 @@ struct CpuFrame {
   std::vector<Seen> seen;  // by the first subsample of each pixel
 };
 
-transport::Backdrop backdropOf(const player::Lighting& lighting, const player::FrameSettings& settings) {
-  const Eigen::Matrix3d light_from_world = player::worldFromLight(settings).transpose();
+transport::Backdrop backdropOf(const transport::Lighting& lighting, const formats::FrameSettings& settings) {
+  const Eigen::Matrix3d light_from_world = transport::worldFromLight(settings).transpose();
   return [&lighting, background = settings.background,
           light_from_world](const Vec3& direction) -> formats::Float4 {
-    if (background == player::Background::kTransparent) return {0, 0, 0, 0};
-    if (background == player::Background::kBlack) return {0, 0, 0, 1};
+    if (background == formats::Background::kTransparent) return {0, 0, 0, 0};
+    if (background == formats::Background::kBlack) return {0, 0, 0, 1};
     const auto radiance = transport::lookUpLatLong(lighting.backdrop, light_from_world * direction);
     return {radiance[0], radiance[1], radiance[2], 1};
   };
@@ -83,7 +85,7 @@ void turn(std::vector<formats::Float3>& positions, const Eigen::Matrix3d& rotati
 
 // What the emitters send to the virtual sphere's centre, in the frame of an object that is turned; empty
 // without emitters.
-transport::ShLight nearLight(const formats::Pack& pack, const player::Lighting& lighting, double time_s,
+transport::ShLight nearLight(const formats::Pack& pack, const transport::Lighting& lighting, double time_s,
                              const Eigen::Matrix3d& world_from_object) {
   if (lighting.near.emitters.empty()) return {};
   const auto bounds = transport::boundingSphere(pack.mesh);
@@ -101,13 +103,13 @@ void append(formats::TriangleMesh& mesh, const formats::TriangleMesh& other) {
   for (const auto& [a, b, c] : other.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
 }
 
-CpuFrame renderFrameOnCpu(const formats::Pack& pack, const player::Lighting& lighting,
-                          const player::FrameSettings& settings) {
+CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& lighting,
+                          const formats::FrameSettings& settings) {
   const auto bounds = transport::boundingSphere(pack.mesh);
-  const auto camera = player::frameCamera(settings, bounds);
-  const Eigen::Matrix3d world_from_object = player::worldFromObject(settings);
+  const auto camera = transport::frameCamera(settings, bounds);
+  const Eigen::Matrix3d world_from_object = transport::worldFromObject(settings);
   const transport::ShRotation rotation(pack.transfer.order,
-                                       world_from_object.transpose() * player::worldFromLight(settings));
+                                       world_from_object.transpose() * transport::worldFromLight(settings));
   const auto near_light = nearLight(pack, lighting, settings.time_s, world_from_object);
   const Vec3 eye = world_from_object.transpose() * (camera.eye() - bounds.center) + bounds.center;
   auto radiance = transport::evaluatePack(pack, rotation.apply(lighting.distant), near_light, eye);
@@ -130,7 +132,7 @@ CpuFrame renderFrameOnCpu(const formats::Pack& pack, const player::Lighting& lig
   const auto picture =
       transport::renderOnCpu(scene_mesh, scene, radiance, camera, grid, backdropOf(lighting, settings));
   CpuFrame frame;
-  const auto exposure = static_cast<float>(player::exposureFactor(settings, exposure_light));
+  const auto exposure = static_cast<float>(transport::exposureFactor(settings, exposure_light));
   frame.display = transport::encodeForDisplay(picture.linear, exposure);
   frame.silhouette = silhouettePixels(scene_mesh, picture, camera, grid);
   const std::size_t columns = static_cast<std::size_t>(grid.width_px) * grid.supersampling;
@@ -170,15 +172,16 @@ std::string PlayerComparison::summary() const {
 }
 
 PlayerComparison comparePlayerWithCpu(const fs::path& player_executable, const fs::path& pack_path,
-                                      const PlayerLights& lights, const player::FrameSettings& settings,
+                                      const PlayerLights& lights, const formats::FrameSettings& settings,
                                       const fs::path& folder) {
   const fs::path picture_path = folder / "player.png";
   runPlayer(player_executable, pack_path, lights, settings, picture_path);
   const formats::Image played = formats::readImage(picture_path);
 
   const formats::Pack pack = formats::readPack(pack_path);
-  player::Lighting lighting =
-      player::readLighting(lights.environment_path, lights.rig_path, pack.transfer.order, lights.windowing);
+  transport::Lighting lighting =
+      transport::lightingFor(formats::readLights(lights.environment_path, lights.rig_path, lights.windowing),
+                             pack.transfer.order, lights.rig_path.string());
   lighting.cube_resolution = lights.cube_resolution;
   const CpuFrame cpu = renderFrameOnCpu(pack, lighting, settings);
   formats::writePng(folder / "cpu.png", cpu.display);

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "tools/player/frame.h"
+#include "transport/frame.h"
 
 namespace bakelight::tests {
 
@@ -43,7 +43,7 @@ struct PlayerLights {
 // the player fails.
 PlayerComparison comparePlayerWithCpu(const std::filesystem::path& player_executable,
                                       const std::filesystem::path& pack_path, const PlayerLights& lights,
-                                      const player::FrameSettings& settings,
+                                      const formats::FrameSettings& settings,
                                       const std::filesystem::path& folder);
 
 }  // namespace bakelight::tests

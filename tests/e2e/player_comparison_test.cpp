@@ -46,7 +46,7 @@ class PlayerAgainstCpu : public testing::Test {
     if (!HasFailure()) fs::remove_all(folder_);
   }
 
-  PlayerComparison compare(const formats::Pack& pack, const player::FrameSettings& settings,
+  PlayerComparison compare(const formats::Pack& pack, const formats::FrameSettings& settings,
                            const PlayerLights& lights) {
     formats::writePack(folder_ / "made.glb", pack, {});
     const auto result = comparePlayerWithCpu(kPlayer, folder_ / "made.glb", lights, settings, folder_);
@@ -65,7 +65,7 @@ class PlayerAgainstCpu : public testing::Test {
   fs::path folder_;
 };
 
-constexpr player::FrameSettings kSmall = {.width_px = 320, .height_px = 240};
+constexpr formats::FrameSettings kSmall = {.width_px = 320, .height_px = 240};
 
 TEST_F(PlayerAgainstCpu, DefaultFrame) {
   compare(wavyPack(5, 96), {}, sky());
@@ -94,10 +94,12 @@ TEST_F(PlayerAgainstCpu, TurnedCameraLightAndObject) {
 }
 
 TEST_F(PlayerAgainstCpu, TransparentBackground) {
-  compare(
-      wavyPack(3, 64),
-      {.width_px = 400, .height_px = 300, .supersampling = 1, .background = player::Background::kTransparent},
-      sky());
+  compare(wavyPack(3, 64),
+          {.width_px = 400,
+           .height_px = 300,
+           .supersampling = 1,
+           .background = formats::Background::kTransparent},
+          sky());
 }
 
 TEST_F(PlayerAgainstCpu, VertexColoursAndEightBitVectors) {
@@ -117,7 +119,7 @@ TEST_F(PlayerAgainstCpu, RigOfDistantLights) {
       {"type": "directional", "direction": [0, -1, 0.2], "irradiance": [0.1, 0.2, 0.5]}]})");
   lights.environment_path = folder_ / "sky.exr";
   lights.windowing = -1;
-  player::FrameSettings settings = kSmall;
+  formats::FrameSettings settings = kSmall;
   settings.light_yaw_deg = 40;
   settings.object_yaw_deg = 100;
   compare(wavyPack(6, 64), settings, lights);
@@ -134,7 +136,7 @@ constexpr const char* kMovingLights = R"({"lights": [
      "motion": {"kind": "shuttle", "to": [0.9, -0.9, 0.5], "period_s": 5}}]})";
 
 TEST_F(PlayerAgainstCpu, EmittersLightAndGlow) {
-  player::FrameSettings settings = kSmall;
+  formats::FrameSettings settings = kSmall;
   settings.distance = 0.9;
   settings.time_s = 0.8;
   settings.object_yaw_deg = 30;
@@ -151,7 +153,7 @@ TEST_F(PlayerAgainstCpu, NearTransferWithCoarseAndFineCube) {
   formats::Pack pack = spherePack(5, 48);
   scaleMesh(pack, 0.5F);
   addNearTransfer(pack, 1.0F);
-  player::FrameSettings settings = kSmall;
+  formats::FrameSettings settings = kSmall;
   settings.distance = 1.3;
   settings.exposure_ev = -1;
   PlayerLights lights = rig(kMovingLights);
@@ -189,7 +191,7 @@ TEST_F(PlayerAgainstCpu, GlossyInEachStorageAndPrecision) {
     encodeAt(made.precision, pack);
     SCOPED_TRACE(std::string(nameOf(made.storage)) + ' ' + nameOf(made.precision) + ' ' +
                  nameOf(made.material.model));
-    player::FrameSettings settings = kSmall;
+    formats::FrameSettings settings = kSmall;
     settings.object_yaw_deg = 40;
     compare(pack, settings, sky());
   }
@@ -200,7 +202,7 @@ TEST_F(PlayerAgainstCpu, GlossyUnderEmitters) {
   addGlossyTransfer(pack, 4, formats::MatrixStorage::kMatrix);
   pack.transfer.material.model = formats::LobeModel::kGgx;
   pack.transfer.material.roughness = 0.3F;
-  player::FrameSettings settings = kSmall;
+  formats::FrameSettings settings = kSmall;
   settings.distance = 0.9;
   settings.exposure_ev = -1;
   compare(pack, settings, rig(kMovingLights));

@@ -1,7 +1,7 @@
 // What mouse and keys do to the picture, free of any window.
 #pragma once
 
-#include "tools/player/frame.h"
+#include "transport/frame.h"
 
 namespace bakelight::player {
 
@@ -12,12 +12,12 @@ inline constexpr const char* kControlsHelp =
 
 // Dragging right moves the object's front to the right, dragging down tips its top towards the viewer:
 // `dx_px` and `dy_px` as windows count, y down. Pitch stops at ±89°.
-void dragOrbit(FrameSettings& settings, double dx_px, double dy_px);
+void dragOrbit(formats::FrameSettings& settings, double dx_px, double dy_px);
 // Light from +Z follows the pointer.
-void dragLight(FrameSettings& settings, double dx_px, double dy_px);
+void dragLight(formats::FrameSettings& settings, double dx_px, double dy_px);
 // The object's front follows the pointer; camera and lights stay.
-void dragObject(FrameSettings& settings, double dx_px, double dy_px);
+void dragObject(formats::FrameSettings& settings, double dx_px, double dy_px);
 // Each step of the wheel away from the user comes 10% nearer; distance stays within 0.2–20.
-void zoom(FrameSettings& settings, double steps);
+void zoom(formats::FrameSettings& settings, double steps);
 
 }  // namespace bakelight::player

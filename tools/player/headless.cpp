@@ -28,8 +28,8 @@ double medianMilliseconds(const Work& work) {
 
 }  // namespace
 
-HeadlessPicture renderHeadless(const formats::Pack& pack, const Lighting& lighting,
-                               const FrameSettings& settings, PictureEncoding encoding) {
+HeadlessPicture renderHeadless(const formats::Pack& pack, const transport::Lighting& lighting,
+                               const formats::FrameSettings& settings, PictureEncoding encoding) {
   const HeadlessContext context;
   Renderer renderer(pack, lighting);
   HeadlessPicture picture;

@@ -7,8 +7,8 @@
 
 #include "formats/image.h"
 #include "formats/pack.h"
-#include "tools/player/frame.h"
-#include "tools/player/lighting.h"
+#include "transport/frame.h"
+#include "transport/lighting.h"
 
 namespace bakelight::player {
 
@@ -29,7 +29,7 @@ struct HeadlessPicture {
 };
 
 // Throws Error(kNotAvailable) without OpenGL 4.5, and what Renderer throws.
-HeadlessPicture renderHeadless(const formats::Pack& pack, const Lighting& lighting,
-                               const FrameSettings& settings, PictureEncoding encoding);
+HeadlessPicture renderHeadless(const formats::Pack& pack, const transport::Lighting& lighting,
+                               const formats::FrameSettings& settings, PictureEncoding encoding);
 
 }  // namespace bakelight::player

@@ -1,13 +1,14 @@
 // player: shows a pack under its lights, in a window or as one picture.
 #include <spdlog/spdlog.h>
 
+#include "formats/light_rig_file.h"
 #include "formats/pack.h"
 #include "tools/player/controls.h"
 #include "tools/player/headless.h"
-#include "tools/player/light_file.h"
 #include "tools/player/options.h"
 #include "tools/player/picture_file.h"
 #include "tools/player/window.h"
+#include "tools/stage/frame_options.h"
 #include "tools/stage/stage.h"
 
 using namespace bakelight;
@@ -22,10 +23,11 @@ int main(int argc, char** argv) {
     const bool headless = !options.image_path.empty();
     const auto encoding =
         headless ? player::encodingFor(options.image_path) : player::PictureEncoding::kDisplay;
-    const player::FrameSettings settings = player::settingsOf(options);
+    const formats::FrameSettings settings = stage::finishedSettings(options.settings, options.background);
     const formats::Pack pack = formats::readPack(options.pack_path);
-    player::Lighting lighting = player::readLighting(options.environment_path, options.lights_path,
-                                                     pack.transfer.order, options.windowing);
+    transport::Lighting lighting = transport::lightingFor(
+        formats::readLights(options.environment_path, options.lights_path, options.windowing),
+        pack.transfer.order, options.lights_path.string());
     lighting.cube_resolution = options.cube_resolution;
     if (!headless) return player::playInWindow(pack, lighting, settings);
 

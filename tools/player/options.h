@@ -5,16 +5,16 @@
 #include <string>
 
 #include "formats/pack.h"
-#include "tools/player/frame.h"
 #include "tools/player/headless.h"
-#include "tools/player/lighting.h"
 #include "tools/stage/stage.h"
+#include "transport/frame.h"
+#include "transport/lighting.h"
 
 namespace bakelight::player {
 
 struct Options {
   std::filesystem::path pack_path, environment_path, lights_path, image_path;
-  FrameSettings settings;
+  formats::FrameSettings settings;
   std::string background = "environment";
   double windowing = 0;
   int cube_resolution = 64;
@@ -23,10 +23,7 @@ struct Options {
 // `options` outlives the tool's run.
 void declareOptions(stage::Tool& tool, Options& options);
 
-// The settings with everything that is named by a word filled in.
-FrameSettings settingsOf(const Options& options);
-
-void reportStats(stage::Run& run, const formats::Pack& pack, const Lighting& lighting,
+void reportStats(stage::Run& run, const formats::Pack& pack, const transport::Lighting& lighting,
                  const HeadlessPicture& picture);
 
 }  // namespace bakelight::player

@@ -28,7 +28,7 @@ std::vector<formats::Float3> centered(const formats::TriangleMesh& mesh, const t
 }
 
 std::optional<NearFieldLights> nearLights(const formats::Pack& pack, const transport::BoundingSphere& bounds,
-                                          Lighting& lighting) {
+                                          transport::Lighting& lighting) {
   if (lighting.near.emitters.empty()) return std::nullopt;
   const transport::Vec3 center =
       pack.transfer.near_vectors.empty() ? bounds.center : transport::vec3(pack.transfer.sphere_center);
@@ -36,8 +36,8 @@ std::optional<NearFieldLights> nearLights(const formats::Pack& pack, const trans
                                         pack.transfer.order, lighting.cube_resolution);
 }
 
-Eigen::Matrix3d objectFromLight(const FrameSettings& settings) {
-  return worldFromObject(settings).transpose() * worldFromLight(settings);
+Eigen::Matrix3d objectFromLight(const formats::FrameSettings& settings) {
+  return transport::worldFromObject(settings).transpose() * transport::worldFromLight(settings);
 }
 
 void setUniform(GLint location, const transport::Vec3& value) {
@@ -47,7 +47,7 @@ void setUniform(GLint location, const transport::Vec3& value) {
 
 }  // namespace
 
-Renderer::Renderer(const formats::Pack& pack, Lighting lighting)
+Renderer::Renderer(const formats::Pack& pack, transport::Lighting lighting)
     : bounds_(transport::boundingSphere(pack.mesh)),
       order_(pack.transfer.order),
       distant_(std::move(lighting.distant)),
@@ -106,46 +106,47 @@ void Renderer::uploadBackdrop(const formats::Image& image) {
   throwIfGlFailed("uploading the environment");
 }
 
-void Renderer::updateLight(const FrameSettings& settings) {
+void Renderer::updateLight(const formats::FrameSettings& settings) {
   evaluated_.object_from_light = objectFromLight(settings);
   const transport::ShRotation rotation(order_, evaluated_.object_from_light);
   exit_radiance_.setDistantLight(rotation.apply(distant_));
   exit_radiance_.update();
 }
 
-void Renderer::updateNearLight(const FrameSettings& settings) {
+void Renderer::updateNearLight(const formats::FrameSettings& settings) {
   if (!near_lights_) return;
-  evaluated_.world_from_object = worldFromObject(settings);
+  evaluated_.world_from_object = transport::worldFromObject(settings);
   evaluated_.time_s = settings.time_s;
   near_lights_->place(settings.time_s);
   near_lights_->project(evaluated_.world_from_object);
   exit_radiance_.nearLightHasChanged();
 }
 
-void Renderer::updateStaleLights(const FrameSettings& settings) {
-  if (near_lights_ &&
-      (evaluated_.time_s != settings.time_s || evaluated_.world_from_object != worldFromObject(settings)))
+void Renderer::updateStaleLights(const formats::FrameSettings& settings) {
+  if (near_lights_ && (evaluated_.time_s != settings.time_s ||
+                       evaluated_.world_from_object != transport::worldFromObject(settings)))
     updateNearLight(settings);
   if (evaluated_.object_from_light != objectFromLight(settings)) updateLight(settings);
   exit_radiance_.update();
 }
 
-float Renderer::exposure(const FrameSettings& settings) const {
-  return static_cast<float>(exposureFactor(settings, exposure_light_));
+float Renderer::exposure(const formats::FrameSettings& settings) const {
+  return static_cast<float>(transport::exposureFactor(settings, exposure_light_));
 }
 
-void Renderer::draw(const FrameSettings& settings) {
-  const transport::OrbitCamera camera = frameCamera(settings, bounds_);
-  const Eigen::Matrix3d world_from_object = worldFromObject(settings);
+void Renderer::draw(const formats::FrameSettings& settings) {
+  const transport::OrbitCamera camera = transport::frameCamera(settings, bounds_);
+  const Eigen::Matrix3d world_from_object = transport::worldFromObject(settings);
   updateStaleLights(settings);
   exit_radiance_.lookFrom(world_from_object.transpose() * (camera.eye() - bounds_.center) + bounds_.center);
 
   target_.resize(settings.width_px, settings.height_px, settings.supersampling);
-  target_.beginFrame(settings.background == Background::kTransparent ? 0.0f : 1.0f);
+  target_.beginFrame(settings.background == formats::Background::kTransparent ? 0.0f : 1.0f);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);  // the backdrop lies at the far plane itself
   drawBodies(camera, world_from_object);
-  if (settings.background == Background::kEnvironment) drawBackdrop(camera, worldFromLight(settings));
+  if (settings.background == formats::Background::kEnvironment)
+    drawBackdrop(camera, transport::worldFromLight(settings));
   throwIfGlFailed("drawing");
 }
 

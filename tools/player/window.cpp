@@ -59,8 +59,8 @@ class GlfwWindow {
 // while emitters move.
 class Session {
  public:
-  Session(GLFWwindow* window, const formats::Pack& pack, const Lighting& lighting,
-          const FrameSettings& settings)
+  Session(GLFWwindow* window, const formats::Pack& pack, const transport::Lighting& lighting,
+          const formats::FrameSettings& settings)
       : window_(window),
         name_(pack.name.empty() ? "bakelight" : pack.name),
         start_(settings),
@@ -161,7 +161,7 @@ class Session {
 
   GLFWwindow* window_;
   std::string name_;
-  FrameSettings start_, settings_;
+  formats::FrameSettings start_, settings_;
   Renderer renderer_;
   double cursor_x_ = 0, cursor_y_ = 0;
   double last_frame_s_ = glfwGetTime();
@@ -170,7 +170,8 @@ class Session {
 
 }  // namespace
 
-void playInWindow(const formats::Pack& pack, const Lighting& lighting, const FrameSettings& settings) {
+void playInWindow(const formats::Pack& pack, const transport::Lighting& lighting,
+                  const formats::FrameSettings& settings) {
   const GlfwWindow window(settings.width_px, settings.height_px, pack.name);
   spdlog::info("{}", glRendererName());
   spdlog::info("{}", kControlsHelp);

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "formats/pack.h"
-#include "tools/player/frame.h"
-#include "tools/player/lighting.h"
+#include "transport/frame.h"
+#include "transport/lighting.h"
 
 namespace bakelight::player {
 
@@ -11,6 +11,7 @@ namespace bakelight::player {
 // the settings' time on. Throws Error(kNotAvailable) if there is
 // no display or no OpenGL 4.5. Screenshots go to the working directory as <pack name>-<number>.png and never
 // overwrite a file.
-void playInWindow(const formats::Pack& pack, const Lighting& lighting, const FrameSettings& settings);
+void playInWindow(const formats::Pack& pack, const transport::Lighting& lighting,
+                  const formats::FrameSettings& settings);
 
 }  // namespace bakelight::player

@@ -11,8 +11,8 @@ namespace {
 using tests::spherePack;
 using transport::Vec3;
 
-Lighting uniformLighting(int order, float radiance) {
-  Lighting lighting;
+transport::Lighting uniformLighting(int order, float radiance) {
+  transport::Lighting lighting;
   lighting.backdrop = formats::Image(8, 4, {"R", "G", "B"});
   std::fill(lighting.backdrop.values.begin(), lighting.backdrop.values.end(), radiance);
   lighting.distant = transport::uniformLight(order, {radiance, radiance, radiance});
@@ -46,7 +46,7 @@ TEST_F(RendererTest, FurnaceIsWhite) {
   // sky.
   for (const int order : {1, 2, 3, 10}) {
     Renderer renderer(spherePack(order, 32), uniformLighting(order, 1));
-    const FrameSettings settings{.width_px = 60, .height_px = 40, .auto_exposure = false};
+    const formats::FrameSettings settings{.width_px = 60, .height_px = 40, .auto_exposure = false};
     renderer.draw(settings);
     const auto linear = renderer.target().linearImage();
     for (const float value : linear.values) EXPECT_NEAR(value, 1, 1e-4) << order;
@@ -74,7 +74,7 @@ TEST_F(RendererTest, EnvironmentIsNotMirrored) {
   addPatch(image, {0.3, 0, -1}, {1, 0, 0});
   addPatch(image, {0, 0.3, -1}, {0, 1, 0});
   addPatch(image, {-0.3, 0, -1}, {0, 0, 1});
-  Renderer renderer(emptyPack(), lightingFromImage(image, 2, "patches"));
+  Renderer renderer(emptyPack(), transport::lightingFromImage(image, 2, "patches"));
   renderer.draw({.width_px = 101, .height_px = 101, .yaw_deg = 0, .pitch_deg = 0, .field_of_view_deg = 90});
   const auto linear = renderer.target().linearImage();
   EXPECT_NEAR(linear.texel(65, 50)[0], 1, 1e-3) << "+X";
@@ -86,7 +86,7 @@ TEST_F(RendererTest, EnvironmentIsNotMirrored) {
 TEST_F(RendererTest, EnvironmentTurnsWithTheLight) {
   formats::Image image(256, 128, {"R", "G", "B"});
   addPatch(image, {0, 0, 1}, {1, 1, 1});
-  Renderer renderer(emptyPack(), lightingFromImage(image, 2, "patch"));
+  Renderer renderer(emptyPack(), transport::lightingFromImage(image, 2, "patch"));
   // The light's yaw takes +Z to +X, which a camera that stands at −X looks at.
   renderer.draw({.width_px = 31, .height_px = 31, .yaw_deg = -90, .pitch_deg = 0, .light_yaw_deg = 90});
   EXPECT_NEAR(renderer.target().linearImage().texel(15, 15)[0], 1, 1e-3);
@@ -100,19 +100,19 @@ TEST_F(RendererTest, BackdropIsLookUpLatLongInEveryDirection) {
     for (int x = 0; x < image.width; ++x)
       for (int c = 0; c < 3; ++c)
         image.texel(x, y)[c] = static_cast<float>((x * 37 + y * 101 + c * 59) % 64) / 64;
-  Renderer renderer(emptyPack(), lightingFromImage(image, 2, "noise"));
+  Renderer renderer(emptyPack(), transport::lightingFromImage(image, 2, "noise"));
   // Six views that cover the sphere, its poles and the seam at −Z among them.
   for (const auto& [yaw, pitch] :
        {std::pair{0.0, 0.0}, {90.0, 0.0}, {180.0, 0.0}, {270.0, 0.0}, {30.0, 89.0}, {30.0, -89.0}}) {
-    const FrameSettings settings{.width_px = 64,
-                                 .height_px = 64,
-                                 .supersampling = 1,
-                                 .yaw_deg = yaw,
-                                 .pitch_deg = pitch,
-                                 .field_of_view_deg = 100};
+    const formats::FrameSettings settings{.width_px = 64,
+                                          .height_px = 64,
+                                          .supersampling = 1,
+                                          .yaw_deg = yaw,
+                                          .pitch_deg = pitch,
+                                          .field_of_view_deg = 100};
     renderer.draw(settings);
     const auto linear = renderer.target().linearImage();
-    const auto camera = frameCamera(settings, renderer.bounds());
+    const auto camera = transport::frameCamera(settings, renderer.bounds());
     for (int y = 0; y < 64; ++y)
       for (int x = 0; x < 64; ++x) {
         const auto expected =
@@ -127,9 +127,12 @@ TEST_F(RendererTest, BackdropIsLookUpLatLongInEveryDirection) {
 TEST_F(RendererTest, LightFromTheRightLightsTheRight) {
   formats::Image image(64, 32, {"R", "G", "B"});
   addPatch(image, Vec3::UnitX(), {100, 100, 100});
-  Renderer renderer(spherePack(4, 32), lightingFromImage(image, 4, "sun"));
-  FrameSettings settings{
-      .width_px = 101, .height_px = 101, .yaw_deg = 0, .pitch_deg = 0, .background = Background::kBlack};
+  Renderer renderer(spherePack(4, 32), transport::lightingFromImage(image, 4, "sun"));
+  formats::FrameSettings settings{.width_px = 101,
+                                  .height_px = 101,
+                                  .yaw_deg = 0,
+                                  .pitch_deg = 0,
+                                  .background = formats::Background::kBlack};
   renderer.draw(settings);
   auto linear = renderer.target().linearImage();
   EXPECT_GT(linear.texel(85, 50)[0], 4 * std::abs(linear.texel(15, 50)[0]));
@@ -146,7 +149,7 @@ TEST_F(RendererTest, TurnedObjectUnderUniformLightShowsItsOtherSide) {
   for (const auto& normal : pack.mesh.normals)
     pack.colors.push_back({normal[0] > 0 ? 1.0f : 0.0f, normal[0] > 0 ? 0.0f : 1.0f, 0});
   Renderer renderer(pack, uniformLighting(3, 1));
-  FrameSettings settings{.width_px = 33, .height_px = 33, .yaw_deg = 90, .pitch_deg = 0};
+  formats::FrameSettings settings{.width_px = 33, .height_px = 33, .yaw_deg = 90, .pitch_deg = 0};
   renderer.draw(settings);
   EXPECT_NEAR(renderer.target().linearImage().texel(16, 16)[0], 1, 1e-3);
   settings.object_yaw_deg = 180;
@@ -159,8 +162,9 @@ TEST_F(RendererTest, LightStaysWhenTheObjectTurns) {
   // A sphere looks the same however it is turned.
   formats::Image image(64, 32, {"R", "G", "B"});
   addPatch(image, {1, 0.4, 0.3}, {100, 60, 30});
-  Renderer renderer(spherePack(4, 64), lightingFromImage(image, 4, "sun"));
-  FrameSettings settings{.width_px = 48, .height_px = 48, .background = Background::kTransparent};
+  Renderer renderer(spherePack(4, 64), transport::lightingFromImage(image, 4, "sun"));
+  formats::FrameSettings settings{
+      .width_px = 48, .height_px = 48, .background = formats::Background::kTransparent};
   renderer.draw(settings);
   const auto before = renderer.target().linearImage();
   settings.object_yaw_deg = 50;
@@ -181,8 +185,10 @@ TEST_F(RendererTest, MeshFarFromTheOriginLooksTheSame) {
       value = std::round(value * 64) / 8;
       far_pack.mesh.positions[v][k] = value + 1e6f;
     }
-  const FrameSettings settings{.width_px = 64, .height_px = 48, .background = Background::kTransparent};
-  Renderer near_renderer(near_pack, defaultLighting(3)), far_renderer(far_pack, defaultLighting(3));
+  const formats::FrameSettings settings{
+      .width_px = 64, .height_px = 48, .background = formats::Background::kTransparent};
+  Renderer near_renderer(near_pack, transport::defaultLighting(3)),
+      far_renderer(far_pack, transport::defaultLighting(3));
   near_renderer.draw(settings);
   far_renderer.draw(settings);
   const auto near_values = near_renderer.target().linearImage().values;

@@ -1,29 +1,23 @@
-#include "tools/player/frame.h"
+#include "transport/frame.h"
 
 #include <cmath>
 
-#include "formats/error.h"
-#include "tools/player/picture_file.h"
-
-namespace bakelight::player {
+namespace bakelight::transport {
 namespace {
-
-using transport::Vec3;
 
 TEST(Frame, AutomaticExposureBringsUniformLightToTheMiddleValue) {
   for (const float radiance : {1e-3f, 1.0f, 250.0f}) {
-    const auto light = transport::uniformLight(3, {radiance, radiance, radiance});
+    const auto light = uniformLight(3, {radiance, radiance, radiance});
     EXPECT_NEAR(exposureFactor({}, light) * radiance, kMiddleValue, 1e-6) << radiance;
     EXPECT_NEAR(exposureFactor({.exposure_ev = -2}, light) * radiance, kMiddleValue / 4, 1e-6) << radiance;
   }
 }
 
 TEST(Frame, ExposureWithoutAutomaticIsAPowerOfTwo) {
-  const auto light = transport::uniformLight(1, {9, 9, 9});
+  const auto light = uniformLight(1, {9, 9, 9});
   EXPECT_EQ(exposureFactor({.auto_exposure = false, .exposure_ev = 0}, light), 1);
   EXPECT_EQ(exposureFactor({.auto_exposure = false, .exposure_ev = 3}, light), 8);
-  EXPECT_EQ(exposureFactor({}, transport::uniformLight(1, {0, 0, 0})), 1)
-      << "no light has no mean to divide by";
+  EXPECT_EQ(exposureFactor({}, uniformLight(1, {0, 0, 0})), 1) << "no light has no mean to divide by";
 }
 
 TEST(Frame, LightTurnsAboutYThenAboutX) {
@@ -37,7 +31,7 @@ TEST(Frame, LightTurnsAboutYThenAboutX) {
 }
 
 TEST(Frame, DistanceMultipliesTheFramingDistance) {
-  const transport::BoundingSphere bounds{{1, 2, 3}, 2};
+  const BoundingSphere bounds{{1, 2, 3}, 2};
   const double framing = frameCamera({}, bounds).distance;
   EXPECT_NEAR(frameCamera({.distance = 2.5}, bounds).distance, 2.5 * framing, 1e-12);
 }
@@ -50,12 +44,5 @@ TEST(Frame, ObjectTurnsAboutYThenAboutX) {
   EXPECT_TRUE(worldFromObject({.light_yaw_deg = 30}).isIdentity());
 }
 
-TEST(PictureFile, EndingDecidesTheEncoding) {
-  EXPECT_EQ(encodingFor("a/b.png"), PictureEncoding::kDisplay);
-  EXPECT_EQ(encodingFor("b.EXR"), PictureEncoding::kLinear);
-  EXPECT_THROW(encodingFor("b.jpg"), Error);
-  EXPECT_THROW(encodingFor("png"), Error);
-}
-
 }  // namespace
-}  // namespace bakelight::player
+}  // namespace bakelight::transport

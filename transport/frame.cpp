@@ -1,4 +1,4 @@
-#include "tools/player/frame.h"
+#include "transport/frame.h"
 
 #include <cmath>
 #include <Eigen/Geometry>
@@ -6,7 +6,7 @@
 
 #include "transport/sh.h"
 
-namespace bakelight::player {
+namespace bakelight::transport {
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180;
@@ -20,33 +20,23 @@ Eigen::Matrix3d turned(double yaw_deg, double pitch_deg) {
 
 }  // namespace
 
-const std::vector<std::string>& backgroundNames() {
-  static const std::vector<std::string> kNames = {"environment", "black", "transparent"};
-  return kNames;
-}
-
-Background backgroundNamed(const std::string& name) {
-  if (name == "black") return Background::kBlack;
-  return name == "transparent" ? Background::kTransparent : Background::kEnvironment;
-}
-
-transport::OrbitCamera frameCamera(const FrameSettings& settings, const transport::BoundingSphere& bounds) {
+OrbitCamera frameCamera(const formats::FrameSettings& settings, const BoundingSphere& bounds) {
   const double aspect = static_cast<double>(settings.width_px) / settings.height_px;
-  transport::OrbitCamera camera = transport::frameSphere(bounds, settings.yaw_deg, settings.pitch_deg,
-                                                         settings.field_of_view_deg, aspect);
+  OrbitCamera camera =
+      frameSphere(bounds, settings.yaw_deg, settings.pitch_deg, settings.field_of_view_deg, aspect);
   camera.distance *= settings.distance;
   return camera;
 }
 
-Eigen::Matrix3d worldFromLight(const FrameSettings& settings) {
+Eigen::Matrix3d worldFromLight(const formats::FrameSettings& settings) {
   return turned(settings.light_yaw_deg, settings.light_pitch_deg);
 }
 
-Eigen::Matrix3d worldFromObject(const FrameSettings& settings) {
+Eigen::Matrix3d worldFromObject(const formats::FrameSettings& settings) {
   return turned(settings.object_yaw_deg, settings.object_pitch_deg);
 }
 
-double exposureFactor(const FrameSettings& settings, const transport::ShLight& light) {
+double exposureFactor(const formats::FrameSettings& settings, const ShLight& light) {
   const double stops = std::exp2(settings.exposure_ev);
   if (!settings.auto_exposure || light.empty()) return stops;
   // The first coefficient is ∫ L y_0 = mean · 4π · √(1/4π).
@@ -55,4 +45,4 @@ double exposureFactor(const FrameSettings& settings, const transport::ShLight& l
   return mean > 0 ? stops * kMiddleValue / mean : stops;
 }
 
-}  // namespace bakelight::player
+}  // namespace bakelight::transport

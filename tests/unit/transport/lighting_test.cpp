@@ -1,4 +1,4 @@
-#include "tools/player/lighting.h"
+#include "transport/lighting.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,13 +6,13 @@
 
 #include "formats/error.h"
 
-namespace bakelight::player {
+namespace bakelight::transport {
 namespace {
 
 TEST(Lighting, ImageOfTheDefaultLightProjectsBackToIt) {
   // But for what clipping the faintly negative side lobes adds: half a percent of the mean at this order.
   const Lighting lighting = defaultLighting(3);
-  const auto projected = transport::projectLatLong(lighting.backdrop, 3, "default");
+  const auto projected = projectLatLong(lighting.backdrop, 3, "default");
   ASSERT_EQ(projected.size(), 9u);
   for (std::size_t i = 0; i < 9; ++i)
     for (std::size_t c = 0; c < 3; ++c)
@@ -51,14 +51,19 @@ formats::LightRig rigWithDisk() {
   return rig;
 }
 
-TEST(Lighting, RigWithoutLightIsAnError) {
-  try {
-    lightingFromRig({}, 3, "dark.json");
-    FAIL() << "accepted";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.status(), ExitStatus::kBadInput);
-    EXPECT_EQ(error.place().file, "dark.json");
-  }
+TEST(Lighting, NoLightAtAllIsTheDefaultLight) {
+  EXPECT_EQ(lightingFor({}, 3, "").distant, defaultLight(3));
+}
+
+TEST(Lighting, AnEnvironmentAloneKeepsItsTexels) {
+  formats::LightRig rig;
+  formats::EnvironmentLight environment;
+  environment.image = formats::Image(4, 2, {"R", "G", "B"});
+  environment.image.values.assign(environment.image.values.size(), 0.5F);
+  rig.distant.emplace_back(environment);
+  EXPECT_EQ(lightingFor(rig, 3, "").backdrop.width, 4);
+  std::get<formats::EnvironmentLight>(rig.distant.front()).yaw_deg = 90;
+  EXPECT_GT(lightingFor(rig, 3, "").backdrop.width, 4) << "turned: drawn anew";
 }
 
 TEST(Lighting, EmittersAloneLeaveDistantLightDark) {
@@ -66,8 +71,8 @@ TEST(Lighting, EmittersAloneLeaveDistantLightDark) {
   rig.emitters.emplace_back();
   const Lighting lighting = lightingFromRig(rig, 3, "near.json");
   EXPECT_EQ(lighting.near.emitters.size(), 1u);
-  EXPECT_EQ(lighting.distant, transport::uniformLight(3, {0, 0, 0}));
-  EXPECT_EQ(transport::lookUpLatLong(lighting.backdrop, {0, 1, 0}), (formats::Float3{0, 0, 0}));
+  EXPECT_EQ(lighting.distant, uniformLight(3, {0, 0, 0}));
+  EXPECT_EQ(lookUpLatLong(lighting.backdrop, {0, 1, 0}), (formats::Float3{0, 0, 0}));
 }
 
 TEST(Lighting, WindowMovesEnergyButNotTheMean) {
@@ -101,4 +106,4 @@ TEST(Lighting, WindowOfAnImageIsThatOfTheSameLightInARig) {
 }
 
 }  // namespace
-}  // namespace bakelight::player
+}  // namespace bakelight::transport

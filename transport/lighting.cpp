@@ -1,4 +1,4 @@
-#include "tools/player/lighting.h"
+#include "transport/lighting.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +9,10 @@
 #include "transport/sh.h"
 #include "transport/windowing.h"
 
-namespace bakelight::player {
+namespace bakelight::transport {
 namespace {
 
-void requireFinite(const transport::ShLight& light, const std::string& file) {
+void requireFinite(const ShLight& light, const std::string& file) {
   for (std::size_t i = 0; i < light.size(); ++i)
     for (const float value : light[i])
       if (!std::isfinite(value))
@@ -22,20 +22,20 @@ void requireFinite(const transport::ShLight& light, const std::string& file) {
 
 void applyWindow(Lighting& lighting, double windowing) {
   if (windowing == 0) return;
-  transport::WindowedLight windowed = windowing < 0 ? transport::windowUntilPositive(lighting.distant)
-                                                    : transport::window(lighting.distant, windowing);
+  WindowedLight windowed =
+      windowing < 0 ? windowUntilPositive(lighting.distant) : window(lighting.distant, windowing);
   lighting.distant = std::move(windowed.light);
   lighting.window = windowed.lambda;
   lighting.moved_energy = windowed.moved_energy;
 }
 
-formats::Image imageOf(const transport::ShLight& light, int order) {
+formats::Image imageOf(const ShLight& light, int order) {
   constexpr int kHeight = 128;  // px; ten bands vary by half a period in 18°
   formats::Image image(2 * kHeight, kHeight, {"R", "G", "B"});
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < 2 * kHeight; ++x) {
-      const auto basis = transport::evaluateSh(
-          order, transport::directionOfLatLong((x + 0.5) / (2 * kHeight), (y + 0.5) / kHeight));
+      const auto basis =
+          evaluateSh(order, directionOfLatLong((x + 0.5) / (2 * kHeight), (y + 0.5) / kHeight));
       for (std::size_t channel = 0; channel < 3; ++channel) {
         double radiance = 0;
         for (std::size_t i = 0; i < basis.size(); ++i) radiance += basis[i] * light[i][channel];
@@ -50,23 +50,20 @@ formats::Image imageOf(const transport::ShLight& light, int order) {
 Lighting lightingFromImage(const formats::Image& image, int order, const std::string& file,
                            double windowing) {
   Lighting lighting;
-  lighting.distant = transport::projectLatLong(image, order, file);
+  lighting.distant = projectLatLong(image, order, file);
   requireFinite(lighting.distant, file);
-  lighting.backdrop = transport::rgbImage(image, file);
+  lighting.backdrop = rgbImage(image, file);
   applyWindow(lighting, windowing);
   return lighting;
 }
 
 Lighting lightingFromRig(formats::LightRig rig, int order, const std::string& file) {
-  if (rig.distant.empty() && rig.emitters.empty())
-    throw badInput({file, "", ""}, "the light rig has no light", "a distant light or an emitter",
-                   "adding one, or leaving the rig out");
   Lighting lighting;
   if (rig.distant.empty()) {
-    lighting.distant = transport::uniformLight(order, {0, 0, 0});
+    lighting.distant = uniformLight(order, {0, 0, 0});
     lighting.backdrop = formats::Image(2, 1, {"R", "G", "B"});
   } else {
-    transport::RigLight light = transport::distantLight(rig, order);
+    RigLight light = distantLight(rig, order);
     requireFinite(light.light, file);
     lighting.distant = std::move(light.light);
     lighting.backdrop = std::move(light.backdrop);
@@ -80,10 +77,28 @@ Lighting lightingFromRig(formats::LightRig rig, int order, const std::string& fi
 
 Lighting defaultLighting(int order, double windowing) {
   Lighting lighting;
-  lighting.distant = transport::defaultLight(order);
+  lighting.distant = defaultLight(order);
   lighting.backdrop = imageOf(lighting.distant, order);
   applyWindow(lighting, windowing);
   return lighting;
 }
 
-}  // namespace bakelight::player
+namespace {
+
+bool isPlainEnvironment(const formats::LightRig& rig) {
+  if (rig.distant.size() != 1 || !rig.emitters.empty()) return false;
+  const auto* environment = std::get_if<formats::EnvironmentLight>(&rig.distant.front());
+  return environment != nullptr && environment->yaw_deg == 0 && environment->intensity == 1 &&
+         environment->image.width == 2 * environment->image.height;
+}
+
+}  // namespace
+
+Lighting lightingFor(formats::LightRig rig, int order, const std::string& file) {
+  if (rig.distant.empty() && rig.emitters.empty()) return defaultLighting(order, rig.windowing);
+  if (!isPlainEnvironment(rig)) return lightingFromRig(std::move(rig), order, file);
+  const auto& environment = std::get<formats::EnvironmentLight>(rig.distant.front());
+  return lightingFromImage(environment.image, order, environment.path.string(), rig.windowing);
+}
+
+}  // namespace bakelight::transport
