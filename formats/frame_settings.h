@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "formats/json.h"
+
 namespace bakelight::formats {
 
 enum class Background { kEnvironment, kBlack, kTransparent };
@@ -26,5 +28,12 @@ struct FrameSettings {
   double exposure_ev = 0;  // stops above the automatic exposure, or above 1 without it
   Background background = Background::kEnvironment;
 };
+
+// All settings, under the names of the player's parameters ("width", "yaw_deg", …, "auto_exposure",
+// "exposure_ev").
+Json toJson(const FrameSettings& settings);
+// What is not there keeps its default. Throws Error(kBadInput) at `pointer` of `file` for an unknown key
+// (with the nearest valid one), a wrong type or a value that the player would refuse.
+FrameSettings frameSettingsFromJson(const Json& json, const std::string& file, const std::string& pointer);
 
 }  // namespace bakelight::formats

@@ -4,6 +4,7 @@
 #include <OpenImageIO/imageio.h>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <new>
 #include <set>
 #include <span>
@@ -100,6 +101,17 @@ Image readWith(OIIO::ImageInput& input, const std::string& file, NonFinite non_f
   return image;
 }
 
+std::unique_ptr<OIIO::ImageInput> opened(const std::string& file) {
+  if (!std::filesystem::is_regular_file(file))
+    throw badInput({file, "", ""}, "there is no such file", "an image");
+  OIIO::ImageSpec hints;
+  hints["oiio:UnassociatedAlpha"] = 1;  // values as they stand in the file: colour is not multiplied by alpha
+  hints["oiio:RawColor"] = 1;           // nor converted
+  auto input = OIIO::ImageInput::open(file, &hints);
+  if (!input) throw unreadable(file, OIIO::geterror());
+  return input;
+}
+
 }  // namespace
 
 int Image::channelIndex(const std::string& name) const {
@@ -109,18 +121,20 @@ int Image::channelIndex(const std::string& name) const {
 
 Image readImage(const std::filesystem::path& path, NonFinite non_finite) {
   const std::string file = path.string();
-  if (!std::filesystem::is_regular_file(path))
-    throw badInput({file, "", ""}, "there is no such file", "an image");
-  OIIO::ImageSpec hints;
-  hints["oiio:UnassociatedAlpha"] = 1;  // values as they stand in the file: colour is not multiplied by alpha
-  hints["oiio:RawColor"] = 1;           // nor converted
   try {
-    const auto input = OIIO::ImageInput::open(file, &hints);
-    if (!input) throw unreadable(file, OIIO::geterror());
-    return readWith(*input, file, non_finite);
+    return readWith(*opened(file), file, non_finite);
   } catch (const std::bad_alloc&) {
     throw badInput({file, "", ""}, "the image does not fit into memory", "a smaller image");
   }
+}
+
+std::map<std::string, std::string> readImageMetadata(const std::filesystem::path& path) {
+  const auto input = opened(path.string());
+  std::map<std::string, std::string> metadata;
+  for (const OIIO::ParamValue& attribute : input->spec().extra_attribs)
+    if (attribute.type() == OIIO::TypeString)
+      metadata.emplace(attribute.name().string(), attribute.get_string());
+  return metadata;
 }
 
 void writeExr(const std::filesystem::path& path, const Image& image, ExrPrecision precision,

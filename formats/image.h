@@ -40,6 +40,10 @@ enum class NonFinite { kReject, kKeep };
 // file, and texel and channel where a value is rejected.
 Image readImage(const std::filesystem::path& path, NonFinite non_finite = NonFinite::kReject);
 
+// The string attributes of an image, those of writeExr's `metadata` among them. Throws as readImage does;
+// pixels are not looked at. OpenEXR keeps no empty text.
+std::map<std::string, std::string> readImageMetadata(const std::filesystem::path& path);
+
 // Scan-line OpenEXR, zip compression, one named channel each. Half holds integers exactly to 2048 only and
 // overflows at 65504: a value that does not fit throws Error(kBadInput) naming texel and channel. `metadata`
 // become string attributes. No date, host or program name goes in. Atomic.

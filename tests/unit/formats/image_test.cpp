@@ -83,6 +83,22 @@ TEST(Image, OutputsCarryNoDateHostOrProgram) {
   }
 }
 
+TEST(Image, MetadataComeBack) {
+  const ScratchFolder folder;
+  const std::map<std::string, std::string> metadata = {{"bakelight:eye", "0.1 -2.5e-3 3"},
+                                                       {"bakelight:frame", "{\"width\": 640, \"π\": \"\"}"}};
+  writeExr(folder / "a.exr", gradient(3, 2, {"R", "G", "B"}), ExrPrecision::kFloat, metadata);
+  const auto read = readImageMetadata(folder / "a.exr");
+  for (const auto& [key, value] : metadata) {
+    ASSERT_TRUE(read.contains(key)) << key;
+    EXPECT_EQ(read.at(key), value);
+  }
+  writeExr(folder / "b.exr", gradient(3, 2, {"R"}));
+  for (const auto& [key, value] : readImageMetadata(folder / "b.exr"))
+    EXPECT_FALSE(key.starts_with("bakelight:")) << key;
+  EXPECT_THAT(errorOf([&] { readImageMetadata(folder / "none.exr"); }), HasSubstr("none.exr"));
+}
+
 TEST(Image, PngRoundsAndClamps) {
   const ScratchFolder folder;
   Image image(4, 1, {"Y"});
