@@ -123,7 +123,7 @@ class Finder {
     asset.recipe = object.text("recipe", RecipeBook::kDefault);
     const Recipe& recipe = recipes_.require(asset.recipe, object.placeOf("recipe"));
 
-    std::vector<std::string> keys = {"name", "recipe", "stages", "deliver"};
+    std::vector<std::string> keys = {"name", "recipe", "stages", "deliver", "leave_out", "report", "budget"};
     for (const auto& [port, ignored] : recipe.asset) keys.push_back(port);
     object.allowKeys(keys, problems_);
     problems_.attempt(
@@ -135,6 +135,15 @@ class Finder {
     problems_.attempt([&] {
       if (object.has("deliver")) asset.deliver = object.texts("deliver");
     });
+    problems_.attempt([&] { asset.keep_all = !object.boolean("leave_out", true); });
+    problems_.attempt([&] {
+      object.object("report");
+      if (object.has("report")) asset.report = object.value("report");
+      const JsonObject lights = object.object("report").object("lights");
+      for (const std::string& name : lights.keys())
+        problems_.attempt([&] { asset.report_lights[name] = fileNamed(lights, name, file.parent_path()); });
+    });
+    if (object.has("budget")) asset.budget = object.value("budget");
     for (const auto& [name, port] : recipe.asset)
       problems_.attempt([&, name = name, required = port.required] {
         if (object.has(name) || required) asset.files[name] = fileNamed(object, name, file.parent_path());
@@ -175,6 +184,15 @@ void checkNames(const std::vector<Asset>& assets, Problems& problems) {
 }
 
 }  // namespace
+
+Setting parseSetting(const std::string& text) {
+  const std::size_t equals = text.find('='), dot = text.substr(0, equals).find('.');
+  const std::string option = "--set " + text;
+  if (equals == std::string::npos || dot == std::string::npos || dot == 0 || dot + 1 == equals)
+    throw Error(ExitStatus::kUsage, {option, "", ""}, "is no setting", "--set stage.parameter=value",
+                "--set transfer.order=5, for example");
+  return {text.substr(0, dot), text.substr(dot + 1, equals - dot - 1), text.substr(equals + 1), option};
+}
 
 std::vector<Asset> findAssets(const std::vector<fs::path>& paths, const fs::path& data_folder,
                               RecipeBook& recipes, const Disk& disk, Problems& problems) {

@@ -15,6 +15,14 @@
 
 namespace bakelight::pipeline {
 
+// A parameter given as text, on the command line or by a variant.
+struct Setting {
+  std::string stage, parameter, value;
+  std::string option;  // as it was typed, for errors
+};
+// From "transfer.order=5". Throws Error(kUsage).
+Setting parseSetting(const std::string& text);
+
 struct Asset {
   std::string name;  // a file name: the folder in the output folder
   std::string file;  // asset.json as the user would name it, or the mesh: for errors
@@ -22,6 +30,11 @@ struct Asset {
   std::map<std::string, std::filesystem::path> files = {};  // by asset port of the recipe; all exist
   formats::Json stages = formats::Json::object();  // overrides: stage → parameter → value, not checked yet
   std::optional<std::vector<std::string>> deliver = {};  // nothing: all that the recipe delivers
+  bool keep_all = false;                                 // nothing is left out by a measured figure
+  formats::Json report = formats::Json::object();        // what is varied and shown: see pipeline/sweep.h
+  std::map<std::string, std::filesystem::path> report_lights = {};  // of it, by name; all exist
+  std::vector<Setting> settings = {};  // of a variant; stronger than everything else
+  formats::Json budget = {};           // see pipeline/budget.h; null: none
 };
 
 // The assets that `paths` stand for, in their order: a folder with asset.json, a folder with one mesh file, a

@@ -79,9 +79,7 @@ void Build::prepare() {
       settle(task, {.status = StageStatus::kLeftOut, .reason = graph_.tasks[task].left_out});
       continue;
     }
-    std::set<TaskIndex> makers;
-    for (const auto& [port, input] : graph_.tasks[task].inputs)
-      if (input.maker) makers.insert(*input.maker);
+    const std::set<TaskIndex> makers = graph_.makersOf(task);
     for (const TaskIndex maker : makers) users_[maker].push_back(task);
     open_makers_[task] = makers.size();
     if (makers.empty()) ready_.insert(task);
@@ -115,12 +113,14 @@ void Build::consider(TaskIndex task) {
                 .reason = std::move(reason),
                 .published = !verdict.upToDate(),
                 .ingredients = std::move(verdict.ingredients),
+                .omissions = std::move(verdict.omissions),
                 .entry = std::move(verdict.entry)});
 }
 
 void Build::launch(TaskIndex task, Verdict verdict) {
   Running running{.key = verdict.ingredients.key(),
                   .ingredients = std::move(verdict.ingredients),
+                  .omissions = std::move(verdict.omissions),
                   .reason = join(verdict.changes, "; "),
                   .threads = threadsForNext()};
   const auto same = std::find_if(running_.begin(), running_.end(),
@@ -206,7 +206,8 @@ void Build::accept(TaskIndex task, const Running& running, const ToolFinished& f
   Outcome outcome{.status = StageStatus::kRan,
                   .reason = running.reason,
                   .published = true,
-                  .ingredients = running.ingredients};
+                  .ingredients = running.ingredients,
+                  .omissions = running.omissions};
   try {
     outcome.entry = parts_.cache.finishEntry(running.key, running.ingredients,
                                              {.tool = "",

@@ -67,6 +67,7 @@ class Build {
   struct Running {
     std::string key;
     Ingredients ingredients;
+    std::vector<Omission> omissions;
     std::string reason;
     std::filesystem::path folder = {};  // that it writes into
     std::size_t threads = 1;

@@ -98,6 +98,7 @@ void Console::settled(TaskIndex task, const Outcome& outcome) {
   switch (outcome.status) {
     case StageStatus::kRan:
       line(label(task) + "ran " + durationText(outcome.entry->run.wall_s) + inParentheses(outcome.reason));
+      for (const Omission& omission : outcome.omissions) line(label(task) + "leaves out " + text(omission));
       break;
     case StageStatus::kCached:
       if (outcome.published) line(label(task) + "taken from the cache" + inParentheses(outcome.reason));

@@ -38,9 +38,10 @@ Ingredients Explainer::withoutInputs(const Task& task) const {
           .outputs = task.outputs};
 }
 
-Ingredients Explainer::ingredientsOf(const Task& task,
+Ingredients Explainer::ingredientsOf(const Task& task, formats::Json parameters,
                                      const std::vector<std::optional<CacheEntry>>& entries) const {
   Ingredients ingredients = withoutInputs(task);
+  ingredients.parameters = std::move(parameters);
   for (const auto& [port, input] : task.inputs) {
     if (input.maker) {
       const CachedFile& made = entries.at(*input.maker)->outputs.at(input.port);
@@ -73,7 +74,9 @@ std::vector<std::string> Explainer::changesSince(const PastRecord::Stage& past, 
 Verdict Explainer::judge(TaskIndex index, const std::vector<std::optional<CacheEntry>>& entries) const {
   const Task& task = graph_.tasks[index];
   Verdict verdict;
-  verdict.ingredients = ingredientsOf(task, entries);
+  SettledTask settled = settle(graph_, index, entries);
+  verdict.ingredients = ingredientsOf(task, std::move(settled.parameters), entries);
+  verdict.omissions = std::move(settled.omissions);
   Lookup lookup = cache_.find(verdict.ingredients.key());
   verdict.entry = std::move(lookup.entry);
   verdict.changes = changesSince(past_.at(task.asset).stage(task.stage), task, verdict, lookup.damage);
@@ -87,6 +90,11 @@ std::vector<std::string> Explainer::changesBesidesInputs(TaskIndex index) const 
   if (!past.ingredients) return {};
   Ingredients now = withoutInputs(task);
   now.inputs = past.ingredients->inputs;
+  // What the rules will make of a parameter is not known yet.
+  for (const TaskRule& rule : task.rules)
+    for (const auto& [parameter, values] : rule.rule.set)
+      if (past.ingredients->parameters.contains(parameter))
+        now.parameters[parameter] = past.ingredients->parameters[parameter];
   return differences(*past.ingredients, now, originsOf(graph_, task));
 }
 
@@ -119,8 +127,8 @@ std::vector<Explanation> explain(const Graph& graph, const Explainer& explainer)
       continue;
     }
     std::set<std::string> waits;
-    for (const auto& [port, input] : task.inputs)
-      if (input.maker && !entries[*input.maker]) waits.insert(graph.tasks[*input.maker].stage);
+    for (const TaskIndex maker : graph.makersOf(index))
+      if (!entries[maker]) waits.insert(graph.tasks[maker].stage);
     if (!waits.empty()) {
       std::string reason = "on what ";
       reason += join(std::vector<std::string>(waits.begin(), waits.end()), " and ");

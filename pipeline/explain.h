@@ -9,6 +9,7 @@
 #include "pipeline/cache.h"
 #include "pipeline/graph.h"
 #include "pipeline/ingredients.h"
+#include "pipeline/leave_out.h"
 #include "pipeline/output_folder.h"
 #include "pipeline/record.h"
 #include "pipeline/toolbox.h"
@@ -17,6 +18,7 @@ namespace bakelight::pipeline {
 
 struct Verdict {
   Ingredients ingredients;
+  std::vector<Omission> omissions;
   std::optional<CacheEntry> entry;  // what the cache has for these ingredients
   std::vector<std::string>
       changes;  // since the outputs in the folder were made: "order changed from 5 to 4", "never run"
@@ -33,7 +35,7 @@ class Explainer {
             Memo& memo, const std::vector<PastRecord>& past);
 
   // `entries`: what each task made, by index; those of the task's makers must be there. Hashes input files.
-  // Throws Error(kBadInput) if an input cannot be read.
+  // Throws Error(kBadInput) if an input cannot be read, and as settle().
   Verdict judge(TaskIndex task, const std::vector<std::optional<CacheEntry>>& entries) const;
 
   // Changes that can be told while the inputs are not made yet: of parameters and of the tool.
@@ -41,7 +43,8 @@ class Explainer {
 
  private:
   Ingredients withoutInputs(const Task& task) const;
-  Ingredients ingredientsOf(const Task& task, const std::vector<std::optional<CacheEntry>>& entries) const;
+  Ingredients ingredientsOf(const Task& task, formats::Json parameters,
+                            const std::vector<std::optional<CacheEntry>>& entries) const;
   std::vector<std::string> changesSince(const PastRecord::Stage& past, const Task& task,
                                         const Verdict& verdict, const std::string& damage) const;
 

@@ -32,6 +32,7 @@ class AssetStages {
   void add() {
     chooseDeliverables();
     markNeeded();
+    keepRulesThatMayApply();
     checkOverriddenStages();
     for (const std::string& stage : stagesInOrder(recipe_))
       problems_.attempt([&] { addStage(recipe_.stages.at(stage)); });
@@ -57,15 +58,34 @@ class AssetStages {
 
   // What is delivered, and what that is made from.
   void markNeeded() {
-    std::vector<std::string> open;
-    for (const std::string& name : delivered_) open.push_back(recipe_.deliverables.at(name).stage);
-    while (!open.empty()) {
-      const std::string stage = open.back();
-      open.pop_back();
-      if (!needed_.insert(stage).second) continue;
-      for (const auto& [port, wire] : recipe_.stages.at(stage).inputs)
-        if (!wire.fromAsset()) open.push_back(wire.stage);
-    }
+    for (const std::string& name : delivered_) markNeeded(recipe_.deliverables.at(name).stage);
+  }
+
+  void markNeeded(const std::string& stage) {
+    if (!needed_.insert(stage).second) return;
+    for (const auto& [port, wire] : recipe_.stages.at(stage).inputs)
+      if (!wire.fromAsset()) markNeeded(wire.stage);
+  }
+
+  // Rules that may change something, and the stages whose figures they ask for.
+  void keepRulesThatMayApply() {
+    if (options_.keep_all || asset_.keep_all) return;
+    for (const std::string& stage : std::set<std::string>(needed_))
+      for (const LeaveOutRule& rule : recipe_.stages.at(stage).leave_out)
+        problems_.attempt([&, stage = stage] {
+          if (!mayApply(rule, parametersOf(recipe_.stages.at(stage)))) return;
+          rules_[stage].push_back(rule);
+          markNeeded(rule.figure.stage);
+          markNeeded(rule.error.stage);
+        });
+  }
+
+  static bool mayApply(const LeaveOutRule& rule, const Json& parameters) {
+    return std::any_of(rule.set.begin(), rule.set.end(), [&](const auto& change) {
+      const auto value = parameters.find(change.first);
+      return value != parameters.end() && value->is_string() &&
+             change.second.count(value->template get<std::string>()) != 0;
+    });
   }
 
   void checkOverriddenStages() {
@@ -87,7 +107,10 @@ class AssetStages {
       const ErrorPlace place{recipe_.file, "", at("stages", stage.name) + "/tool"};
       const ToolDescription& tool = tools_.require(stage.tool, place).description;
       checkPorts(stage, tool, needed);
-      task.parameters = parametersOf(stage, tool);
+      task.parameters = parametersOf(stage);
+      checkRules(stage, tool);
+      for (const LeaveOutRule& rule : rules_[stage.name])
+        task.rules.push_back({rule, task_of_.at(rule.figure.stage), task_of_.at(rule.error.stage)});
     }
     task_of_[stage.name] = graph_.tasks.size();
     graph_.tasks.push_back(std::move(task));
@@ -167,16 +190,50 @@ class AssetStages {
     return port == nullptr ? "" : port->kind;
   }
 
-  Json parametersOf(const RecipeStage& stage, const ToolDescription& tool) {
+  // That what the recipe's rules set are values of the tool.
+  void checkRules(const RecipeStage& stage, const ToolDescription& tool) {
+    for (std::size_t i = 0; i < stage.leave_out.size(); ++i)
+      for (const auto& [parameter, values] : stage.leave_out[i].set)
+        for (const auto& [from, to] : values)
+          problems_.attempt([&, parameter = parameter, to = to] {
+            formats::checkParameters(
+                tool, {{parameter, to}},
+                {recipe_.file, "", at("stages", stage.name) + "/leave_out/" + std::to_string(i) + "/set"});
+          });
+  }
+
+  // Judged once a stage, so that a mistake is reported once.
+  const Json& parametersOf(const RecipeStage& stage) {
+    const auto known = parameters_.find(stage.name);
+    if (known != parameters_.end()) return known->second;
+    parameters_[stage.name] = Json::object();  // ends a circle of links
+    const ErrorPlace place{recipe_.file, "", at("stages", stage.name) + "/tool"};
+    return parameters_[stage.name] = judgedParameters(stage, tools_.require(stage.tool, place).description);
+  }
+
+  Json linkedParameters(const RecipeStage& stage) {
     Json values = Json::object();
-    for (const auto& parameter : tool.parameters)
-      values[parameter.name] = formats::checkParameter(parameter, parameter.default_value,
-                                                       {stage.tool + " --describe", parameter.name, ""});
-    overrideEach(tool, expanded(stage), {recipe_.file, "", at("stages", stage.name) + "/parameters"}, values);
+    for (const auto& [name, link] : stage.linked) {
+      const Json& others = parametersOf(recipe_.stages.at(link.stage));
+      const ErrorPlace place{recipe_.file, "", at("stages", stage.name) + "/parameters/" + name + "/same_as"};
+      if (!others.contains(link.port))
+        throw badInput(place, "the stage " + link.stage + " has no parameter \"" + link.port + "\"",
+                       "a parameter of its tool, and no circle of links");
+      values[name] = others[link.port];
+    }
+    return values;
+  }
+
+  Json judgedParameters(const RecipeStage& stage, const ToolDescription& tool) {
+    Json values = defaultParameters(tool);
+    const ErrorPlace place{recipe_.file, "", at("stages", stage.name) + "/parameters"};
+    overrideEach(tool, expanded(stage), place, values);
+    problems_.attempt([&] { overrideEach(tool, linkedParameters(stage), place, values); });
     if (asset_.stages.contains(stage.name))
       overrideEach(tool, asset_.stages[stage.name], {asset_.file, "", at("stages", stage.name)}, values);
-    for (const Setting& setting : options_.settings)
-      if (setting.stage == stage.name) problems_.attempt([&] { applySetting(tool, setting, values); });
+    for (const std::vector<Setting>& settings : {options_.settings, asset_.settings})
+      for (const Setting& setting : settings)
+        if (setting.stage == stage.name) problems_.attempt([&] { applySetting(tool, setting, values); });
     return values;
   }
 
@@ -219,6 +276,8 @@ class AssetStages {
   const GraphOptions& options_;
   Problems& problems_;
   std::set<std::string> delivered_, needed_;
+  std::map<std::string, std::vector<LeaveOutRule>> rules_;  // by stage; those that may apply
+  std::map<std::string, Json> parameters_;                  // by stage, once judged
   std::map<std::string, TaskIndex> task_of_;
 };
 
@@ -258,13 +317,23 @@ std::string Graph::nameOf(TaskIndex task) const {
   return assets[tasks[task].asset].name + " " + tasks[task].stage;
 }
 
-Setting parseSetting(const std::string& text) {
-  const std::size_t equals = text.find('='), dot = text.substr(0, equals).find('.');
-  const std::string option = "--set " + text;
-  if (equals == std::string::npos || dot == std::string::npos || dot == 0 || dot + 1 == equals)
-    throw Error(ExitStatus::kUsage, {option, "", ""}, "is no setting", "--set stage.parameter=value",
-                "--set transfer.order=5, for example");
-  return {text.substr(0, dot), text.substr(dot + 1, equals - dot - 1), text.substr(equals + 1), option};
+std::set<TaskIndex> Graph::makersOf(TaskIndex task) const {
+  std::set<TaskIndex> makers;
+  for (const auto& [port, input] : tasks[task].inputs)
+    if (input.maker) makers.insert(*input.maker);
+  for (const TaskRule& rule : tasks[task].rules) {
+    makers.insert(rule.figure_maker);
+    makers.insert(rule.error_maker);
+  }
+  return makers;
+}
+
+Json defaultParameters(const ToolDescription& tool) {
+  Json values = Json::object();
+  for (const auto& parameter : tool.parameters)
+    values[parameter.name] = formats::checkParameter(parameter, parameter.default_value,
+                                                     {tool.tool + " --describe", parameter.name, ""});
+  return values;
 }
 
 Graph makeGraph(std::vector<Asset> assets, RecipeBook& recipes, Toolbox& tools, const GraphOptions& options,
@@ -277,6 +346,7 @@ Graph makeGraph(std::vector<Asset> assets, RecipeBook& recipes, Toolbox& tools, 
     });
   checkOutputNames(graph, problems);
   checkSettings(graph, options.settings, problems);
+  for (const Asset& asset : graph.assets) checkSettings(graph, asset.settings, problems);
   return graph;
 }
 

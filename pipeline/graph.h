@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,9 +23,15 @@ using TaskIndex = std::size_t;  // into Graph::tasks
 
 // Where a task's input comes from.
 struct Input {
-  std::optional<TaskIndex> maker;   // nothing: a file of the asset
-  std::string port;                 // the maker's output, or the asset's port
-  std::filesystem::path file = {};  // of the asset
+  std::optional<TaskIndex> maker = {};  // nothing: a file of the asset
+  std::string port;                     // the maker's output, or the asset's port
+  std::filesystem::path file = {};      // of the asset
+};
+
+// A rule of the recipe that may apply to a task, see LeaveOutRule.
+struct TaskRule {
+  LeaveOutRule rule;
+  TaskIndex figure_maker = 0, error_maker = 0;
 };
 
 // One stage of one asset.
@@ -35,7 +42,9 @@ struct Task {
   std::map<std::string, std::string> outputs = {};       // file name by port
   std::map<std::string, std::string> deliverables = {};  // name by output port; only what is asked for
   formats::Json parameters = formats::Json::object();    // all of the tool's, canonical
+  std::vector<TaskRule> rules = {};                      // in the recipe's order; the makers are done before
   std::string left_out = "";                             // why it does not run; "" if it may
+  bool published = true;                                 // else the outputs stay in the cache
 };
 
 struct Graph {
@@ -43,24 +52,23 @@ struct Graph {
   std::vector<Task> tasks = {};  // makers before users
 
   std::string nameOf(TaskIndex task) const;  // "bunny transfer"
+  // What has to be done before: makers of inputs, and of the figures of rules.
+  std::set<TaskIndex> makersOf(TaskIndex task) const;
 };
-
-// A parameter given on the command line, for all assets.
-struct Setting {
-  std::string stage, parameter, value;
-  std::string option;  // as it was typed, for errors
-};
-// From "transfer.order=5". Throws Error(kUsage).
-Setting parseSetting(const std::string& text);
 
 struct GraphOptions {
   std::vector<Setting> settings = {};
   std::vector<std::string> deliver = {};  // instead of what the assets say; empty: as they say
+  bool keep_all = false;                  // nothing is left out by a measured figure
 };
 
 inline constexpr const char* kNotNeeded = "nothing delivered needs it";
 
-// Parameters: the tool's defaults, then the recipe's, then asset.json's, then the settings. Checked against
+// All parameters of a tool, canonical.
+formats::Json defaultParameters(const formats::ToolDescription& tool);
+
+// Parameters: the tool's defaults, then the recipe's (of which some are those of another stage), then
+// asset.json's, then the settings. Checked against
 // what the tools say of themselves: stage, parameter and port names, types, ranges, kinds of files, required
 // inputs. Every mistake is put into `problems`, with file and JSON pointer; the graph is whole only if there
 // was none.

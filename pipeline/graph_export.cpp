@@ -56,6 +56,10 @@ std::string toText(const Graph& graph) {
       text += separator + originOf(graph, input);
       separator = ", ";
     }
+    for (const TaskRule& rule : task.rules) {
+      text += separator + rule.rule.figure.text();
+      separator = ", ";
+    }
     for (const auto& [port, deliverable] : task.deliverables) text += " -> " + task.outputs.at(port);
     if (!task.left_out.empty()) text += " (left out: " + task.left_out + ")";
     text += "\n";

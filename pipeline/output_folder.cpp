@@ -29,6 +29,7 @@ fs::path OutputFolder::statsOf(TaskIndex index) const {
 
 std::vector<OutputFolder::Placed> OutputFolder::placesOf(TaskIndex task, const CacheEntry& entry) const {
   std::vector<Placed> places;
+  if (!graph_.tasks[task].published) return places;
   for (const auto& [port, file] : entry.outputs) places.push_back({&file, pathOf(task, port)});
   places.push_back({&entry.stats, statsOf(task)});
   return places;

@@ -34,8 +34,40 @@ AssetPort parseAssetPort(const JsonObject& object, Problems& problems) {
   return {object.text("kind"), object.boolean("required", true), object.texts("endings")};
 }
 
+LeaveOutRule parseRule(const Json& json, const std::string& file, const std::string& pointer,
+                       Problems& problems) {
+  const JsonObject object(json, file, pointer);
+  object.allowKeys({"what", "figure", "at_most", "error", "set"}, problems);
+  LeaveOutRule rule{.what = object.text("what"), .figure = parseWire(object, "figure")};
+  rule.error = object.has("error") ? parseWire(object, "error") : rule.figure;
+  if (!object.has("at_most") || !object.value("at_most").is_number())
+    throw badInput(object.placeOf("at_most"), "the threshold is no number", "a number");
+  rule.at_most = object.value("at_most").get<double>();
+  const JsonObject set = object.object("set");
+  for (const std::string& parameter : set.keys()) {
+    const JsonObject values = set.object(parameter);
+    for (const std::string& value : values.keys()) rule.set[parameter][value] = values.text(value);
+  }
+  if (rule.set.empty())
+    throw badInput(object.placeOf("set"), "the rule changes nothing", "{ parameter: { value: new value } }");
+  return rule;
+}
+
+void parseParameters(const JsonObject& object, RecipeStage& stage, Problems& problems) {
+  const JsonObject parameters = object.object("parameters");  // must be an object if it is there
+  for (const std::string& name : parameters.keys()) {
+    if (!parameters.value(name).is_object()) {
+      stage.parameters[name] = parameters.value(name);
+      continue;
+    }
+    const JsonObject link = parameters.object(name);
+    link.allowKeys({"same_as"}, problems);
+    problems.attempt([&] { stage.linked[name] = parseWire(link, "same_as"); });
+  }
+}
+
 RecipeStage parseStage(const std::string& name, const JsonObject& object, Problems& problems) {
-  object.allowKeys({"tool", "inputs", "outputs", "parameters"}, problems);
+  object.allowKeys({"tool", "inputs", "outputs", "parameters", "leave_out"}, problems);
   RecipeStage stage{.name = name, .tool = object.text("tool", name)};
   const JsonObject inputs = object.object("inputs"), outputs = object.object("outputs");
   for (const std::string& port : inputs.keys())
@@ -47,8 +79,16 @@ RecipeStage parseStage(const std::string& name, const JsonObject& object, Proble
         throw badInput(outputs.placeOf(port), "\"" + stage.outputs[port] + "\" is no file name",
                        "a file name without a folder");
     });
-  object.object("parameters");  // must be an object if it is there
-  if (object.has("parameters")) stage.parameters = object.value("parameters");
+  parseParameters(object, stage, problems);
+  if (!object.has("leave_out")) return stage;
+  const Json& rules = object.value("leave_out");
+  const ErrorPlace place = object.placeOf("leave_out");
+  if (!rules.is_array()) throw badInput(place, "is no list", "a list of rules");
+  for (std::size_t i = 0; i < rules.size(); ++i)
+    problems.attempt([&] {
+      stage.leave_out.push_back(
+          parseRule(rules[i], place.file, place.pointer + "/" + std::to_string(i), problems));
+    });
   return stage;
 }
 
@@ -64,12 +104,33 @@ void checkWire(const Recipe& recipe, const Wire& wire, const ErrorPlace& place, 
                    suggestion(wire.text(), candidates));
 }
 
+// That the stage exists of which `name` names a parameter or a figure.
+void checkStage(const Recipe& recipe, const Wire& name, const ErrorPlace& place) {
+  if (recipe.stages.count(name.stage) == 0)
+    throw badInput(place, "there is no stage \"" + name.stage + "\"",
+                   "one of: " + join(recipe.stageNames(), ", "), suggestion(name.stage, recipe.stageNames()));
+}
+
 void checkWires(const Recipe& recipe, Problems& problems) {
   for (const auto& [name, stage] : recipe.stages)
     for (const auto& [port, wire] : stage.inputs) {
       const ErrorPlace place{recipe.file, "", "/stages/" + name + "/inputs/" + port};
       problems.attempt([&, wire = wire] { checkWire(recipe, wire, place, true); });
     }
+  for (const auto& [name, stage] : recipe.stages) {
+    const std::string pointer = "/stages/" + name;
+    for (const auto& [parameter, link] : stage.linked)
+      problems.attempt([&, parameter = parameter, link = link] {
+        checkStage(recipe, link, {recipe.file, "", pointer + "/parameters/" + parameter + "/same_as"});
+      });
+    for (std::size_t i = 0; i < stage.leave_out.size(); ++i)
+      for (const auto& [key, wire] :
+           {std::pair("figure", stage.leave_out[i].figure), std::pair("error", stage.leave_out[i].error)})
+        problems.attempt([&, key = key, wire = wire] {
+          checkStage(recipe, wire,
+                     {recipe.file, "", pointer + "/leave_out/" + std::to_string(i) + "/" + key});
+        });
+  }
   for (const auto& [name, wire] : recipe.deliverables)
     problems.attempt([&, name = name, wire = wire] {
       checkWire(recipe, wire, {recipe.file, "", "/deliver/" + name}, false);
@@ -77,6 +138,17 @@ void checkWires(const Recipe& recipe, Problems& problems) {
 }
 
 }  // namespace
+
+std::set<std::string> RecipeStage::makers() const {
+  std::set<std::string> makers;
+  for (const auto& [port, wire] : inputs)
+    if (!wire.fromAsset()) makers.insert(wire.stage);
+  for (const LeaveOutRule& rule : leave_out) {
+    makers.insert(rule.figure.stage);
+    makers.insert(rule.error.stage);
+  }
+  return makers;
+}
 
 std::vector<std::string> Recipe::stageNames() const {
   return keysOf(stages);
@@ -88,7 +160,7 @@ std::vector<std::string> Recipe::deliverableNames() const {
 Recipe parseRecipe(const Json& json, const std::string& name, const std::string& file) {
   Problems problems;
   const JsonObject root(json, file);
-  root.allowKeys({"summary", "asset", "stages", "deliver"}, problems);
+  root.allowKeys({"summary", "asset", "stages", "deliver", "report"}, problems);
 
   Recipe recipe{.name = name, .summary = root.text("summary", ""), .file = file};
   const JsonObject ports = root.object("asset"), stages = root.object("stages"),
@@ -102,6 +174,8 @@ Recipe parseRecipe(const Json& json, const std::string& name, const std::string&
                        "another stage name");
       recipe.stages[stage] = parseStage(stage, stages.object(stage), problems);
     });
+  root.object("report");
+  if (root.has("report")) recipe.report = root.value("report");
   for (const std::string& deliverable : deliver.keys())
     problems.attempt([&] { recipe.deliverables[deliverable] = parseWire(deliver, deliverable); });
 
@@ -118,10 +192,8 @@ std::vector<std::string> stagesInOrder(const Recipe& recipe) {
   for (const auto& [name, stage] : recipe.stages) left.insert(name);
   while (!left.empty()) {
     const auto ready = std::find_if(left.begin(), left.end(), [&](const std::string& name) {
-      const auto& inputs = recipe.stages.at(name).inputs;
-      return std::all_of(inputs.begin(), inputs.end(), [&](const auto& input) {
-        return input.second.fromAsset() || placed.count(input.second.stage) != 0;
-      });
+      const std::set<std::string> makers = recipe.stages.at(name).makers();
+      return std::includes(placed.begin(), placed.end(), makers.begin(), makers.end());
     });
     if (ready == left.end())
       throw badInput({recipe.file, "", "/stages"},

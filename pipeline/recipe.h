@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,12 +32,27 @@ struct Wire {
   std::string text() const { return stage + "." + port; }
 };
 
+// A measured figure may settle that a stage does less: "bounces" are left out where they add next to nothing.
+struct LeaveOutRule {
+  std::string what;    // is left out, for people
+  Wire figure;         // a number in a stage's stats, as "survey.bounce_energy"
+  double at_most = 0;  // the threshold, inclusive
+  Wire error = {};     // the relative error that it adds, likewise; by default the figure itself
+  // Parameter: value → what it becomes. Parameters with other values are not touched, and a rule that would
+  // change nothing is none.
+  std::map<std::string, std::map<std::string, std::string>> set = {};
+};
+
 struct RecipeStage {
   std::string name, tool;
   std::map<std::string, Wire> inputs = {};  // by port of the tool
   std::map<std::string, std::string> outputs =
       {};  // file name by port; "{asset}" stands for the asset's name
   formats::Json parameters = formats::Json::object();
+  std::map<std::string, Wire> linked = {};  // parameters that have the value of another stage's parameter
+  std::vector<LeaveOutRule> leave_out = {};
+
+  std::set<std::string> makers() const;  // stages that have to be done before: of inputs and of figures
 };
 
 struct Recipe {
@@ -46,6 +62,8 @@ struct Recipe {
   std::map<std::string, RecipeStage> stages = {};
   std::map<std::string, Wire> deliverables =
       {};  // what a person asks for by name, and the stage output that it is
+
+  formats::Json report = formats::Json::object();  // how variants are measured: see pipeline/sweep.h
 
   std::vector<std::string> stageNames() const;
   std::vector<std::string> deliverableNames() const;

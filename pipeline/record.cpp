@@ -22,6 +22,7 @@ Json madeStage(const Graph& graph, TaskIndex task, const Outcome& outcome, const
   stage["key"] = entry.key;
   stage["ingredients"] = toJson(outcome.ingredients);
   stage["outputs"] = outputsOf(graph, task, entry, out);
+  for (const Omission& omission : outcome.omissions) stage["left_out"].push_back(toJson(omission));
   return stage;
 }
 

@@ -11,6 +11,7 @@
 #include "formats/json.h"
 #include "pipeline/cache.h"
 #include "pipeline/ingredients.h"
+#include "pipeline/leave_out.h"
 #include "pipeline/output_folder.h"
 
 namespace bakelight::pipeline {
@@ -24,6 +25,7 @@ struct Outcome {
   std::string reason;
   bool published = false;                // something in the output folder was made or put right
   Ingredients ingredients = {};          // if ran or cached
+  std::vector<Omission> omissions = {};  // likewise: what the stage leaves out by measurement
   std::optional<CacheEntry> entry = {};  // if ran or cached
   std::optional<Error> error = {};       // if failed
   int exit_status = 0;                   // of the failed tool, or of the error

@@ -28,7 +28,7 @@ Json description(const std::string& tool, Json inputs, Json outputs, Json parame
 
 Workshop::Workshop() {
   installAll();
-  disk.write("recipes/prt.json", formats::readTextFile(BAKELIGHT_SOURCE_DIR "/configs/recipes/prt.json"));
+  disk.write("recipes/prt.json", formats::readTextFile(BAKELIGHT_SOURCE_DIR "/tests/unit/pipeline/prt.json"));
   addAsset("cube", "eight corners");
   disk.write("assets/cube/sky.hdr", "blue");
 }

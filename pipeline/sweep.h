@@ -1,0 +1,75 @@
+// Many variants of one asset, and all that it takes to measure them: path-traced references, and packs that
+// differ from a variant's in one respect, so that its error can be split into causes.
+//
+// The recipe's section "report" says how (docs/REPORT.md):
+//   "pack", "frame"      what is measured: a stage's output; the stage that draws it with OpenGL
+//   "vary"               what varies unless somebody says it
+//   "frame_parameters"   of every picture; "cameras": by name, further parameters of the picture
+//   "same_scene"         parameters that change the scene itself, which a sweep must not
+//   "scene"              settings with which a pack is baked that is only path-traced: the cheapest
+//   "truth"              { "set": settings, "reference": parameters of the tool reference }
+//   "chain"              list of { "cause", "set", "reference" } from the truth to the variant. Links with
+//   "reference" are
+//                        path-traced on scene + set; the others are packs of the variant + set.
+// asset.json has a section "report", too: "lights" { name: file }, "cameras" and "vary", instead of the
+// recipe's.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/json.h"
+#include "pipeline/build.h"
+#include "pipeline/graph.h"
+#include "pipeline/variants.h"
+
+namespace bakelight::pipeline {
+
+// One light seen by one camera.
+struct View {
+  std::string name, light, camera;                      // "studio-front", "studio", "front"
+  std::filesystem::path environment = {}, lights = {};  // either may be empty
+  double windowing = 0;                                 // of the player
+  formats::Json frame = formats::Json::object();        // parameters of the picture
+};
+
+// One picture a view, each differing from the link before in one cause: path-traced, or of a pack.
+struct Link {
+  std::string cause;
+  std::vector<TaskIndex> references;  // by view; empty: a pack
+  TaskIndex pack = 0;
+};
+
+struct SweptVariant {
+  Variant variant;
+  TaskIndex pack = 0;
+  std::optional<TaskIndex> frame;  // the player's picture, for its times
+  std::vector<Link> chain;         // ends with the variant with nothing left out by measurement
+};
+
+struct Sweep {
+  Graph graph;  // assets are variants, and what they are compared with; equal ones are one
+  std::vector<View> views;
+  std::vector<TaskIndex> truths;  // references, by view
+  std::vector<SweptVariant> variants;
+  std::string pack_output, reference_output;  // ports
+};
+
+struct SweepOptions {
+  std::vector<std::string> vary = {};  // instead of the asset's or the recipe's
+  std::vector<Setting> settings = {};  // for all variants
+};
+
+// `asset` with what its recipe and itself say, checked whole. Every mistake is put into `problems`.
+Sweep planSweep(const Asset& asset, RecipeBook& recipes, Toolbox& tools, const SweepOptions& options,
+                Problems& problems);
+
+// What the tool `report` reads: every picture and pack by path and hash, and what each variant cost. Variants
+// that failed are listed with the reason; links that failed are left out of their chains.
+formats::Json reportPlan(const std::string& asset, const Sweep& sweep, const std::vector<Outcome>& outcomes,
+                         Memo& memo);
+
+}  // namespace bakelight::pipeline
