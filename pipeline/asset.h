@@ -35,6 +35,7 @@ struct Asset {
   std::map<std::string, std::filesystem::path> report_lights = {};  // of it, by name; all exist
   std::vector<Setting> settings = {};  // of a variant; stronger than everything else
   formats::Json budget = {};           // see pipeline/budget.h; null: none
+  formats::Json choice = {};           // the variant that keeps it; null: none
 };
 
 // The assets that `paths` stand for, in their order: a folder with asset.json, a folder with one mesh file, a

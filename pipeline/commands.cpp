@@ -1,29 +1,20 @@
 #include "pipeline/commands.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <thread>
 
 #include "formats/error.h"
-#include "pipeline/asset.h"
-#include "pipeline/build.h"
-#include "pipeline/cache.h"
-#include "pipeline/console.h"
-#include "pipeline/disk.h"
 #include "pipeline/explain.h"
 #include "pipeline/graph.h"
 #include "pipeline/graph_export.h"
-#include "pipeline/json_object.h"
-#include "pipeline/local_runner.h"
-#include "pipeline/memo.h"
-#include "pipeline/output_folder.h"
-#include "pipeline/record.h"
-#include "pipeline/toolbox.h"
+#include "pipeline/measure.h"
+#include "pipeline/problems.h"
+#include "pipeline/workplace.h"
 
 namespace bakelight::pipeline {
 namespace fs = std::filesystem;
@@ -32,52 +23,42 @@ namespace {
 constexpr auto kLockRetry = std::chrono::milliseconds(100);
 
 fs::path cacheFolder(const Request& request) {
-  return request.out / ".cache";
+  return request.out / kCacheFolder;
 }
 
-Graph checkedGraph(const Request& request, const Disk& disk, RecipeBook& recipes, Toolbox& tools) {
-  Problems problems;
-  GraphOptions options{.deliver = request.deliver};
+GraphOptions graphOptions(const Request& request, Problems& problems) {
+  GraphOptions options{.deliver = request.deliver, .keep_all = request.keep_all};
   for (const std::string& text : request.settings)
     problems.attempt([&] { options.settings.push_back(parseSetting(text)); });
-  std::vector<Asset> assets = findAssets(request.paths, request.data, recipes, disk, problems);
-  Graph graph = makeGraph(std::move(assets), recipes, tools, options, problems);
+  return options;
+}
+
+// Checked together with all their stages.
+std::vector<Asset> checkedAssets(const Request& request, Workplace& workplace) {
+  Problems problems;
+  const GraphOptions options = graphOptions(request, problems);
+  std::vector<Asset> assets =
+      findAssets(request.paths, request.data, workplace.recipes, workplace.disk, problems);
+  problems.attempt([&] { recallBudgets(request, assets, workplace.disk); });
+  makeGraph(assets, workplace.recipes, workplace.tools, options, problems);
+  problems.throwIfAny();
+  return assets;
+}
+
+Graph graphOf(const Request& request, Workplace& workplace, std::vector<Asset> assets) {
+  Problems problems;
+  const GraphOptions options = graphOptions(request, problems);
+  Graph graph = makeGraph(std::move(assets), workplace.recipes, workplace.tools, options, problems);
   problems.throwIfAny();
   return graph;
 }
 
-// What every command on assets works with. Making one changes nothing on the disk; the graph is whole and
-// checked.
-struct Session {
-  RealDisk disk;
-  LocalRunner runner;
-  Memo memo;
-  RecipeBook recipes;
-  Toolbox tools;
-  Graph graph;
-  OutputFolder out;
-  Cache cache;
-  std::vector<PastRecord> past;  // by asset; see readRecords
-
-  explicit Session(const Request& request)
-      : memo(cacheFolder(request) / "memo.json", disk),
-        recipes(request.recipes, disk),
-        tools(request.tools, processorIdentity(), disk, runner, memo),
-        graph(checkedGraph(request, disk, recipes, tools)),
-        out(request.out, graph, disk, memo),
-        cache(cacheFolder(request), disk, memo) {}
-
-  // What the runs before left behind. A run does so once it holds the folder's lock.
-  void readRecords() {
-    for (std::size_t asset = 0; asset < graph.assets.size(); ++asset)
-      past.emplace_back(out.recordOf(asset), disk);
-  }
-
-  std::vector<Explanation> explanations() {
-    readRecords();
-    return explain(graph, Explainer(graph, tools, cache, out, disk, memo, past));
-  }
-};
+std::vector<Explanation> explanations(const Request& request, Workplace& workplace, const Graph& graph) {
+  const OutputFolder out(request.out, graph, workplace.disk, workplace.memo);
+  const std::vector<PastRecord> past = pastRecords(graph, out, workplace.disk);
+  return explain(
+      graph, Explainer(graph, workplace.tools, workplace.cache, out, workplace.disk, workplace.memo, past));
+}
 
 void print(const Graph& graph, const Explanation& explanation) {
   std::cout << graph.nameOf(explanation.task) << ": " << nameOf(explanation.state)
@@ -85,12 +66,13 @@ void print(const Graph& graph, const Explanation& explanation) {
 }
 
 int dryRun(const Request& request) {
-  Session session(request);
+  Workplace workplace(request);
+  const Graph graph = graphOf(request, workplace, checkedAssets(request, workplace));
   std::size_t shown = 0;
-  for (const Explanation& explanation : session.explanations()) {
+  for (const Explanation& explanation : explanations(request, workplace, graph)) {
     using State = Explanation::State;
     if (explanation.state == State::kUpToDate || explanation.state == State::kLeftOut) continue;
-    print(session.graph, explanation);
+    print(graph, explanation);
     ++shown;
   }
   if (shown == 0) std::cout << "everything is up to date\n";
@@ -106,12 +88,6 @@ bool waitFor(FolderLock& lock, const LocalRunner& runner, const fs::path& folder
     if (lock.tryLock()) return true;
   }
   return false;
-}
-
-BuildSettings buildSettings(const Request& request) {
-  const std::size_t machine = std::max(1u, std::thread::hardware_concurrency());
-  const std::size_t cores = request.cores != 0 ? request.cores : machine;
-  return {.jobs = request.jobs != 0 ? request.jobs : cores, .cores = cores};
 }
 
 std::string text(const formats::ParameterDescription& parameter) {
@@ -133,46 +109,72 @@ void print(const formats::ToolDescription& tool) {
   std::cout << lines;
 }
 
+void tellFront(const formats::Json& report, const fs::path& folder) {
+  std::cout << "on the front of error against milliseconds a frame, of " << report.at("variants").size()
+            << " variants:\n";
+  for (const formats::Json& variant : report.at("variants")) {
+    const formats::Json& front = report.at("pareto");
+    if (std::find(front.begin(), front.end(), variant.at("name")) == front.end()) continue;
+    std::cout << "  " << variant.at("name").get<std::string>() << "  error " << variant.at("rel_rmse").dump()
+              << ", " << variant.at("frame_ms").dump() << " ms, " << variant.at("bytes").dump() << " bytes\n";
+  }
+  std::cout << "  " << (folder / "report.html").string() << '\n';
+}
+
 }  // namespace
 
 int runCommand(const Request& request) {
   if (request.dry_run) return dryRun(request);
-  Session session(request);  // nothing is made in the output folder before all is found to be right
+  Workplace workplace(request);  // nothing is made in the output folder before all is found to be right
+  std::vector<Asset> assets = checkedAssets(request, workplace);
   FolderLock lock(cacheFolder(request));
-  if (!waitFor(lock, session.runner, request.out)) return static_cast<int>(ExitStatus::kInterrupted);
-  session.readRecords();
-  session.cache.removeTemporaries();
-  Console console(session.graph, std::cout, std::cerr, ::isatty(STDERR_FILENO) == 1);
-  Build build({session.graph, session.tools, session.cache, session.out, session.memo, session.disk,
-               session.runner, console},
-              session.past, buildSettings(request));
-  const BuildResult result = build.run();
-  console.summarise(result, session.out);
-  session.memo.save();
+  if (!waitFor(lock, workplace.runner, request.out)) return static_cast<int>(ExitStatus::kInterrupted);
+  workplace.cache.removeTemporaries();
+  if (!settleBudgets(workplace, request, assets)) return static_cast<int>(ExitStatus::kInterrupted);
+  const Graph graph = graphOf(request, workplace, std::move(assets));
+  const BuildResult result = runGraph(workplace, graph, request.out, buildSettings(request));
+  workplace.memo.save();
   return result.exitStatus();
 }
 
 int explainCommand(const Request& request) {
-  Session session(request);
-  for (const Explanation& explanation : session.explanations()) print(session.graph, explanation);
+  Workplace workplace(request);
+  const Graph graph = graphOf(request, workplace, checkedAssets(request, workplace));
+  for (const Explanation& explanation : explanations(request, workplace, graph)) print(graph, explanation);
   return 0;
 }
 
 int graphCommand(const Request& request) {
-  Session session(request);
+  Workplace workplace(request);
+  const Graph graph = graphOf(request, workplace, checkedAssets(request, workplace));
   if (request.format == "json")
-    std::cout << toJson(session.graph).dump(2) << '\n';
+    std::cout << toJson(graph).dump(2) << '\n';
   else
-    std::cout << (request.format == "text" ? toText(session.graph) : toDot(session.graph));
+    std::cout << (request.format == "text" ? toText(graph) : toDot(graph));
+  return 0;
+}
+
+int sweepCommand(const Request& request) {
+  Workplace workplace(request);
+  const std::vector<Asset> assets = checkedAssets(request, workplace);
+  SweepOptions options{.vary = request.vary};
+  for (const std::string& text : request.settings) options.settings.push_back(parseSetting(text));
+  FolderLock lock(cacheFolder(request));
+  if (!waitFor(lock, workplace.runner, request.out)) return static_cast<int>(ExitStatus::kInterrupted);
+  workplace.cache.removeTemporaries();
+  for (const Asset& asset : assets) {
+    const std::optional<formats::Json> report = measureVariants(workplace, request, asset, options, false);
+    workplace.memo.save();
+    if (!report) return static_cast<int>(ExitStatus::kInterrupted);
+    tellFront(*report, request.out / asset.name);
+  }
   return 0;
 }
 
 int toolsCommand(const Request& request) {
-  RealDisk disk;
-  LocalRunner runner;
-  Memo memo(cacheFolder(request) / "memo.json", disk);
-  RecipeBook recipes(request.recipes, disk);
-  Toolbox tools(request.tools, processorIdentity(), disk, runner, memo);
+  Workplace workplace(request);
+  RecipeBook& recipes = workplace.recipes;
+  Toolbox& tools = workplace.tools;
   std::set<std::string> names;
   for (const std::string& recipe : recipes.names())
     for (const auto& [name, stage] : recipes.require(recipe, {}).stages) names.insert(stage.tool);

@@ -16,8 +16,12 @@ struct Request {
   std::vector<std::string> deliver;
   std::size_t jobs = 0, cores = 0;  // 0: as many as the machine has
   bool dry_run = false;
-  std::string format = "dot";  // of the graph: dot, text, json
+  bool keep_all = false;          // nothing is left out by measurement
+  std::string format = "dot";     // of the graph: dot, text, json
+  std::vector<std::string> vary;  // of a sweep: "transfer.order=2..6"
 };
+
+inline constexpr const char* kCacheFolder = ".cache";  // in Request::out
 
 // Each returns the process's exit status and throws Error or ProblemsFound for what is wrong before anything
 // starts.
@@ -25,5 +29,6 @@ int runCommand(const Request& request);
 int explainCommand(const Request& request);
 int graphCommand(const Request& request);
 int toolsCommand(const Request& request);
+int sweepCommand(const Request& request);
 
 }  // namespace bakelight::pipeline

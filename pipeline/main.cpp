@@ -76,6 +76,18 @@ int runCommandLine(int argc, char** argv) {
   run.add_option("-j,--jobs", request.jobs, "Stages at once; 0: as many as there are cores");
   run.add_option("--threads", request.cores, "Cores to share among the stages; 0: all");
   run.add_flag("--dry-run,-n", request.dry_run, "Only tell what would be done");
+  run.add_flag("--keep-all", request.keep_all, "Leave nothing out because of what was measured");
+  CLI::App& sweep = *app.add_subcommand(
+      "sweep", "Make variants of the assets, and measure error against run time: report.html");
+  addAssets(sweep, request);
+  sweep
+      .add_option("--vary", request.vary,
+                  "Values of a parameter, as in transfer.order=2..6 or pack.precision=float32,uint8; all "
+                  "combinations")
+      ->type_name("STAGE.PARAMETER=VALUE,...")
+      ->allow_extra_args(false);
+  sweep.add_option("-j,--jobs", request.jobs, "Stages at once; more than 1 disturbs the times");
+  sweep.add_option("--threads", request.cores, "Cores to share among the stages; 0: all");
   CLI::App& explain = *app.add_subcommand("explain", "Tell why each stage is up to date or not");
   addAssets(explain, request);
   CLI::App& graph = *app.add_subcommand("graph", "Print the stages and how they are wired");
@@ -96,6 +108,7 @@ int runCommandLine(int argc, char** argv) {
     return static_cast<int>(ExitStatus::kUsage);
   }
   if (run.parsed()) return runCommand(request);
+  if (sweep.parsed()) return sweepCommand(request);
   if (explain.parsed()) return explainCommand(request);
   if (graph.parsed()) return graphCommand(request);
   return toolsCommand(request);

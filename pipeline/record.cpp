@@ -77,9 +77,11 @@ Json recordOf(const Graph& graph, std::size_t asset, const std::vector<Outcome>&
     if (outcome.error) stage["error"] = outcome.error->paragraph();
     stages[graph.tasks[task].stage] = std::move(stage);
   }
-  return {{"asset", graph.assets[asset].name},
-          {"recipe", graph.assets[asset].recipe},
-          {"stages", std::move(stages)}};
+  Json record = {{"asset", graph.assets[asset].name},
+                 {"recipe", graph.assets[asset].recipe},
+                 {"stages", std::move(stages)}};
+  if (!graph.assets[asset].choice.is_null()) record["budget"] = graph.assets[asset].choice;
+  return record;
 }
 
 }  // namespace bakelight::pipeline
