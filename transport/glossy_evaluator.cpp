@@ -53,9 +53,18 @@ GlossyEvaluator::~GlossyEvaluator() = default;
 
 std::vector<Float3> GlossyEvaluator::transferredRadiance(std::span<const Float3> light) const {
   const GlossyTiles& tiles = *implementation_->tiles;
+  std::vector<Float3> transferred(tiles.vertexCount() * tiles.shape().rows);
+  transferredRadiance(light, transferred);
+  return transferred;
+}
+
+void GlossyEvaluator::transferredRadiance(std::span<const Float3> light,
+                                          std::span<Float3> transferred) const {
+  const GlossyTiles& tiles = *implementation_->tiles;
   const std::size_t rows = tiles.shape().rows;
+  if (transferred.size() != tiles.vertexCount() * rows)
+    throw std::invalid_argument("GlossyEvaluator: transferred radiance does not fit the vertices");
   const LightTables tables = tiles.prepare(light);
-  std::vector<Float3> transferred(tiles.vertexCount() * rows);
   implementation_->forEachTile(
       tables, rows * 3 * kTile, [&](std::size_t tile, float* scratch, float* result) {
         std::fill_n(result, rows * 3 * kTile, 0.0f);
@@ -66,7 +75,6 @@ std::vector<Float3> GlossyEvaluator::transferredRadiance(std::span<const Float3>
             for (std::size_t c = 0; c < 3; ++c)
               transferred[vertices[lane] * rows + i][c] = result[(i * 3 + c) * kTile + lane];
       });
-  return transferred;
 }
 
 std::span<const std::uint32_t> GlossyEvaluator::vertexOrder() const {

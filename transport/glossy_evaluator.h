@@ -26,6 +26,8 @@ class GlossyEvaluator {
   // the local frame for kMatrix and kCpca, in the object frame for kVisibility. `light` has at least order²
   // entries.
   std::vector<Float3> transferredRadiance(std::span<const Float3> light) const;
+  // The same into `transferred`, which is overwritten.
+  void transferredRadiance(std::span<const Float3> light, std::span<Float3> transferred) const;
 
   // The order in which the evaluator works on vertices, in tiles of kTile: those of a cluster together. A
   // place that no vertex takes, at the end of a cluster, names any of them.
@@ -56,7 +58,8 @@ std::vector<float> lobeRows(const formats::Pack& pack, std::span<const double> k
 // Exit radiance of each vertex towards `eye`, base colour and vertex colours included: diffuse part plus
 // glossy part of the pack's material. `light` is distant light in the object's frame; `near_light` (empty, or
 // order² entries) is what the virtual sphere's centre sees of near emitters, through near_vectors where the
-// pack has them, else as distant light. The player's picture is this, interpolated.
+// pack has them, else as distant light. The player's picture is this, interpolated. A PackEvaluator
+// (pack_evaluator.h) for one light and one view.
 std::vector<Float3> evaluatePack(const formats::Pack& pack, std::span<const Float3> light,
                                  std::span<const Float3> near_light, const Vec3& eye);
 

@@ -15,6 +15,7 @@
 #include "transport/glossy_evaluator.h"
 #include "transport/light_rig.h"
 #include "transport/lighting.h"
+#include "transport/near_light.h"
 
 namespace bakelight::tests {
 namespace {
@@ -77,26 +78,6 @@ transport::Backdrop backdropOf(const transport::Lighting& lighting, const format
   };
 }
 
-// Turns positions about `center`.
-void turn(std::vector<formats::Float3>& positions, const Eigen::Matrix3d& rotation, const Vec3& center) {
-  for (auto& position : positions)
-    position = transport::float3(rotation * (transport::vec3(position) - center) + center);
-}
-
-// What the emitters send to the virtual sphere's centre, in the frame of an object that is turned; empty
-// without emitters.
-transport::ShLight nearLight(const formats::Pack& pack, const transport::Lighting& lighting, double time_s,
-                             const Eigen::Matrix3d& world_from_object) {
-  if (lighting.near.emitters.empty()) return {};
-  const auto bounds = transport::boundingSphere(pack.mesh);
-  transport::EmitterMesh emitters = transport::emitterMesh(lighting.near, bounds, time_s);
-  turn(emitters.mesh.positions, world_from_object.transpose(), bounds.center);
-  const Vec3 center =
-      pack.transfer.near_vectors.empty() ? bounds.center : transport::vec3(pack.transfer.sphere_center);
-  const auto cube = transport::renderEmitterCube(emitters, center, lighting.cube_resolution);
-  return transport::projectCubeMap(cube, pack.transfer.order, "emitters");
-}
-
 void append(formats::TriangleMesh& mesh, const formats::TriangleMesh& other) {
   const auto first = static_cast<std::uint32_t>(mesh.vertexCount());
   mesh.positions.insert(mesh.positions.end(), other.positions.begin(), other.positions.end());
@@ -110,21 +91,21 @@ CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& 
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(settings);
   const transport::ShRotation rotation(pack.transfer.order,
                                        world_from_object.transpose() * transport::worldFromLight(settings));
-  const auto near_light = nearLight(pack, lighting, settings.time_s, world_from_object);
+  const auto near_light = transport::nearLight(pack, lighting, settings.time_s, world_from_object);
   const Vec3 eye = world_from_object.transpose() * (camera.eye() - bounds.center) + bounds.center;
   auto radiance = transport::evaluatePack(pack, rotation.apply(lighting.distant), near_light, eye);
 
   formats::TriangleMesh scene_mesh;
   scene_mesh.positions = pack.mesh.positions;
   scene_mesh.triangles = pack.mesh.triangles;
-  turn(scene_mesh.positions, world_from_object, bounds.center);
+  transport::turnAbout(bounds.center, world_from_object, scene_mesh.positions);
   auto exposure_light = lighting.distant;
   if (!lighting.near.emitters.empty()) {
     const auto emitters = transport::emitterMesh(lighting.near, bounds, settings.time_s);
     append(scene_mesh, emitters.mesh);
     radiance.insert(radiance.end(), emitters.radiance.begin(), emitters.radiance.end());
     exposure_light =
-        transport::sum(exposure_light, nearLight(pack, lighting, 0, Eigen::Matrix3d::Identity()));
+        transport::sum(exposure_light, transport::nearLight(pack, lighting, 0, Eigen::Matrix3d::Identity()));
   }
 
   const transport::RayScene scene(scene_mesh);
