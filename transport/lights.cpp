@@ -173,9 +173,9 @@ double luminance(const Float3& rgb) {
 }
 
 ShLight defaultLight(int order) {
-  const Vec3 towards_key = Vec3(-0.5, 0.7, 0.6).normalized();
-  return sum(diskLight(order, towards_key, 0.6, {2.6f, 2.5f, 2.3f}),
-             uniformLight(order, {0.25f, 0.28f, 0.33f}));
+  const DefaultLight light;
+  return sum(diskLight(order, light.key_direction, light.key_half_angle_rad, light.key_radiance),
+             uniformLight(order, light.sky_radiance));
 }
 
 }  // namespace bakelight::transport

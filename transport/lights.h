@@ -50,6 +50,12 @@ ShLight scaled(const ShLight& light, double factor);
 double luminance(const Float3& rgb);
 
 // The light of a scene that names none: a soft key from the upper left front over a dim uniform sky.
+struct DefaultLight {
+  Vec3 key_direction = Vec3(-0.5, 0.7, 0.6).normalized();
+  double key_half_angle_rad = 0.6;
+  Float3 key_radiance = {2.6f, 2.5f, 2.3f};
+  Float3 sky_radiance = {0.25f, 0.28f, 0.33f};  // adds up with the key
+};
 ShLight defaultLight(int order);
 
 }  // namespace bakelight::transport

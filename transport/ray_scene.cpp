@@ -142,17 +142,35 @@ void RayScene::nearestHits(const Float3& origin, const RayBundle& bundle, float 
   }
 }
 
+namespace {
+
+RTCRay singleRay(const Vec3& origin, const Vec3& direction, float t_near, float t_far) {
+  RTCRay ray{};
+  ray.org_x = static_cast<float>(origin.x());
+  ray.org_y = static_cast<float>(origin.y());
+  ray.org_z = static_cast<float>(origin.z());
+  ray.dir_x = static_cast<float>(direction.x());
+  ray.dir_y = static_cast<float>(direction.y());
+  ray.dir_z = static_cast<float>(direction.z());
+  ray.tnear = t_near;
+  ray.tfar = t_far;
+  ray.mask = ~0u;
+  return ray;
+}
+
+}  // namespace
+
+bool RayScene::occluded(const Vec3& origin, const Vec3& direction, float t_far) const {
+  RTCRay ray = singleRay(origin, direction, 0, t_far);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(implementation_->scene, &context, &ray);
+  return ray.tfar < 0;
+}
+
 Hit RayScene::nearestHit(const Vec3& origin, const Vec3& direction, float t_near) const {
   RTCRayHit query{};
-  query.ray.org_x = static_cast<float>(origin.x());
-  query.ray.org_y = static_cast<float>(origin.y());
-  query.ray.org_z = static_cast<float>(origin.z());
-  query.ray.dir_x = static_cast<float>(direction.x());
-  query.ray.dir_y = static_cast<float>(direction.y());
-  query.ray.dir_z = static_cast<float>(direction.z());
-  query.ray.tnear = t_near;
-  query.ray.tfar = std::numeric_limits<float>::infinity();
-  query.ray.mask = ~0u;
+  query.ray = singleRay(origin, direction, t_near, std::numeric_limits<float>::infinity());
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);

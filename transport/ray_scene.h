@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -70,6 +71,9 @@ class RayScene {
   void nearestHits(const Float3& origin, const RayBundle& bundle, float t_near, std::size_t count,
                    HitBundle& hits) const;
   Hit nearestHit(const Vec3& origin, const Vec3& direction, float t_near = 0) const;
+  // Whether anything lies along the ray at a distance from 0 to `t_far`.
+  bool occluded(const Vec3& origin, const Vec3& direction,
+                float t_far = std::numeric_limits<float>::infinity()) const;
 
   // "embree 3.13.5 avx512": the instruction set that Embree chose on this machine, which may move a hit by a
   // rounding.

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <span>
 
-#include "transport/camera.h"
 #include "transport/mesh_topology.h"
 
 namespace bakelight::transfer {
@@ -18,57 +16,6 @@ using formats::TriangleMesh;
 using transport::float3;
 using transport::Vec3;
 using transport::vec3;
-
-namespace {
-
-std::vector<std::uint8_t> onCrease(const TriangleMesh& mesh) {
-  const std::vector<std::uint32_t> place = transport::coincidentVertices(mesh);
-  std::vector<std::uint8_t> crease_place(mesh.vertexCount(), 0), crease(mesh.vertexCount(), 0);
-  for (std::size_t v = 0; v < place.size(); ++v)
-    if (mesh.normals[v] != mesh.normals[place[v]]) crease_place[place[v]] = 1;
-  for (std::size_t v = 0; v < place.size(); ++v) crease[v] = crease_place[place[v]];
-  return crease;
-}
-
-// Mean of the centroids of the triangles at each vertex, from the vertex.
-std::vector<Vec3> towardsTriangles(const TriangleMesh& mesh) {
-  std::vector<Vec3> mean(mesh.vertexCount(), Vec3::Zero());
-  std::vector<int> count(mesh.vertexCount(), 0);
-  for (const auto& triangle : mesh.triangles) {
-    Vec3 centroid = Vec3::Zero();
-    for (const auto v : triangle) centroid += vec3(mesh.positions[v]) / 3;
-    for (const auto v : triangle) mean[v] += centroid - vec3(mesh.positions[v]), ++count[v];
-  }
-  for (std::size_t v = 0; v < mean.size(); ++v)
-    if (count[v] > 0) mean[v] /= count[v];
-  return mean;
-}
-
-}  // namespace
-
-float surfaceOffset(const TriangleMesh& mesh, double bias) {
-  const transport::BoundingSphere bounds = transport::boundingSphere(mesh);
-  const double farthest_coordinate = bounds.center.cwiseAbs().maxCoeff() + bounds.radius;
-  return static_cast<float>(
-      std::max(bias * bounds.radius, 4 * std::numeric_limits<float>::epsilon() * farthest_coordinate));
-}
-
-std::vector<SurfacePoint> frontPoints(const TriangleMesh& mesh, double bias) {
-  const float offset = surfaceOffset(mesh, bias);
-  const std::vector<std::uint8_t> crease = onCrease(mesh);
-  const std::vector<Vec3> inward = towardsTriangles(mesh);
-  std::vector<SurfacePoint> points(mesh.vertexCount());
-  for (std::size_t v = 0; v < points.size(); ++v) {
-    points[v].normal = mesh.normals[v];
-    for (std::size_t c = 0; c < 3; ++c)
-      points[v].origin[c] = mesh.positions[v][c] + offset * mesh.normals[v][c];
-    const double distance = inward[v].norm();
-    if (crease[v] == 0 || distance == 0) continue;
-    const Vec3 moved = vec3(points[v].origin) + inward[v] * std::min(offset / distance, 0.25);
-    points[v].origin = float3(moved);
-  }
-  return points;
-}
 
 SurfacePoint backPoint(const TriangleMesh& mesh, const SurfacePoint& front, std::uint32_t vertex) {
   SurfacePoint back;

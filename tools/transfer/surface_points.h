@@ -6,25 +6,17 @@
 #include <vector>
 
 #include "formats/triangle_mesh.h"
+#include "transport/surface_points.h"
 #include "transport/vector_types.h"
 
 namespace bakelight::transfer {
 
 using formats::Float3;
 
-struct SurfacePoint {
-  Float3 origin;  // where its rays start
-  Float3 normal;
-};
+using transport::frontPoints;
+using transport::surfaceOffset;
+using transport::SurfacePoint;
 
-// Distance by which rays start off the surface: `bias` × the bounding sphere's radius, at least four
-// roundings of the coordinates.
-float surfaceOffset(const formats::TriangleMesh& mesh, double bias);
-
-// Point v is the front of vertex v. A vertex on a crease (a copy at the same place has another normal) is
-// also moved into its own triangles, since off the surface along its normal it would lie in the plane of the
-// next face.
-std::vector<SurfacePoint> frontPoints(const formats::TriangleMesh& mesh, double bias);
 // The back of vertex v: the same distance off the surface on the other side.
 SurfacePoint backPoint(const formats::TriangleMesh& mesh, const SurfacePoint& front, std::uint32_t vertex);
 

@@ -1,0 +1,183 @@
+#include "tools/reference/bsdf.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "transport/glossy.h"
+#include "transport/sh.h"
+
+namespace bakelight::reference {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kMirrorRoughness = 1e-6;
+
+double luminanceOf(const Rgb& rgb) {
+  return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+}
+
+// ∫₀ᵘ (1 − x)/(1 + bx)² dx. Below b = 0.1 by its series, since the closed form cancels there.
+double ggxIntegral(double u, double b) {
+  if (b < 0.1) {
+    // (1 + bx)^−2 = Σ (−1)^k (k+1) b^k x^k
+    double sum = 0, power = u, factor = 1;
+    for (int k = 0; k < 24; ++k) {
+      sum += factor * (k + 1) * power * (1.0 / (k + 1) - u / (k + 2));
+      power *= u;
+      factor *= -b;
+    }
+    return sum;
+  }
+  const double t = 1 + b * u;
+  return ((b + 1) * b * u / t - std::log1p(b * u)) / (b * b);
+}
+
+double ggxFall(double u, double b) {
+  const double t = 1 + b * u;
+  return (1 - u) / (t * t);
+}
+
+}  // namespace
+
+Lobe::Lobe(Kind kind, double parameter) : kind_(kind), parameter_(parameter) {
+  if (kind == Kind::kGgx) ggx_norm_ = ggxIntegral(1, parameter);
+}
+
+Lobe Lobe::phong(double exponent) {
+  return {Kind::kPhong, exponent};
+}
+
+Lobe Lobe::ggx(double roughness) {
+  if (roughness < kMirrorRoughness) return {Kind::kMirror, 0};
+  const double alpha_squared = std::pow(roughness, 4);
+  return {Kind::kGgx, (1 - alpha_squared) / (2 * alpha_squared)};
+}
+
+double Lobe::valuePerSr(double cosine) const {
+  if (cosine <= 0) return 0;
+  if (kind_ == Kind::kPhong) return (parameter_ + 1) / (2 * kPi) * std::pow(cosine, parameter_);
+  return ggxFall(1 - cosine, parameter_) / (2 * kPi * ggx_norm_);
+}
+
+double Lobe::sampleOneMinusCosine(double number) const {
+  if (kind_ == Kind::kPhong) return 1 - std::pow(1 - number, 1 / (parameter_ + 1));
+  // Newton's method within a bracket. The start ignores the factor 1 − u, which matters in the tail only.
+  const double b = parameter_, target = number * ggx_norm_;
+  double low = 0, high = 1;
+  double u = number / (1 + b * (1 - number));
+  for (int i = 0; i < 60; ++i) {
+    const double error = ggxIntegral(u, b) - target;
+    (error > 0 ? high : low) = u;
+    const double slope = ggxFall(u, b);
+    double next = slope > 0 ? u - error / slope : low;
+    if (!(next > low && next < high)) next = (low + high) / 2;
+    if (std::abs(next - u) <= 1e-12 * u) return next;
+    u = next;
+  }
+  return u;
+}
+
+Material::Material(const formats::GlossyMaterial& glossy) : lobe_(Lobe::ggx(0)) {
+  using formats::LobeModel;
+  has_lobe_ = glossy.model == LobeModel::kPhong || glossy.model == LobeModel::kGgx;
+  if (glossy.model == LobeModel::kPhong) lobe_ = Lobe::phong(glossy.exponent);
+  if (glossy.model == LobeModel::kGgx) lobe_ = Lobe::ggx(glossy.roughness);
+  if (glossy.model == LobeModel::kTable) table_ = glossy.table;
+  if (has_lobe_) specular_color_ = transport::vec3(glossy.specular_color);
+}
+
+Bsdf::Bsdf(const Material& material, const Rgb& albedo, const Vec3& normal, const Vec3& outgoing, bool glossy)
+    : albedo_(albedo), normal_(normal) {
+  // Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
+  const double sign = std::copysign(1.0, normal.z()), a = -1 / (sign + normal.z());
+  const double b = normal.x() * normal.y() * a;
+  tangent_ = Vec3(1 + sign * normal.x() * normal.x() * a, sign * b, -sign * normal.x());
+  bitangent_ = Vec3(b, sign + normal.y() * normal.y() * a, -normal.y());
+  if (!glossy) return;
+
+  lobe_ = material.lobe();
+  if (lobe_ != nullptr) {
+    specular_color_ = material.specularColor();
+    const double cosine = normal.dot(outgoing);
+    reflection_ = (cosine + std::abs(cosine)) * normal - outgoing;
+    const double diffuse = luminanceOf(albedo), specular = luminanceOf(specular_color_);
+    diffuse_share_ = diffuse + specular > 0 ? diffuse / (diffuse + specular) : 1;
+  }
+  if (const formats::BrdfTable* table = material.table()) {
+    table_order_ = table->order;
+    table_rows_.resize(3 * transport::coefficientCount(table->order));
+    const Vec3 local(tangent_.dot(outgoing), bitangent_.dot(outgoing), normal.dot(outgoing));
+    transport::tableRows(*table, local, table->order, table_rows_);
+  }
+}
+
+Rgb Bsdf::value(const Vec3& incoming) const {
+  const double cosine = normal_.dot(incoming);
+  if (cosine <= 0) return Rgb::Zero();
+  Rgb value = albedo_ * (cosine / kPi);
+  if (lobe_ != nullptr && !lobe_->isMirror())
+    value += specular_color_ * lobe_->valuePerSr(reflection_.dot(incoming));
+  if (!table_rows_.empty()) value += tableValue(incoming);
+  return value;
+}
+
+Rgb Bsdf::tableValue(const Vec3& incoming) const {
+  std::array<double, transport::kMaxEvaluatedOrder * transport::kMaxEvaluatedOrder> basis;
+  const auto count = static_cast<std::size_t>(transport::coefficientCount(table_order_));
+  const Vec3 local(tangent_.dot(incoming), bitangent_.dot(incoming), normal_.dot(incoming));
+  transport::evaluateSh(table_order_, local, std::span(basis).first(count));
+  Rgb value = Rgb::Zero();
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t i = 0; i < count; ++i)
+      value[static_cast<Eigen::Index>(c)] += table_rows_[c * count + i] * basis[i];
+  return value;
+}
+
+double Bsdf::densityPerSr(const Vec3& incoming) const {
+  const double cosine = normal_.dot(incoming);
+  if (cosine <= 0) return 0;
+  double density = diffuse_share_ * cosine / kPi;
+  if (lobe_ != nullptr && !lobe_->isMirror())
+    density += (1 - diffuse_share_) * lobe_->valuePerSr(reflection_.dot(incoming));
+  return density;
+}
+
+Bsdf::Sample Bsdf::mirrorSample() const {
+  // The reflection of a grazing eye is never below the surface, except by a rounding.
+  return {reflection_, specular_color_ / (1 - diffuse_share_), 0};
+}
+
+Bsdf::Sample Bsdf::sample(double choice, double u, double v) const {
+  Sample sample;
+  const double turn = 2 * kPi * v;
+  if (choice < diffuse_share_) {
+    const double radius = std::sqrt(u);
+    sample.incoming = radius * std::cos(turn) * tangent_ + radius * std::sin(turn) * bitangent_ +
+                      std::sqrt(std::max(0.0, 1 - u)) * normal_;
+  } else {
+    if (lobe_->isMirror()) return mirrorSample();
+    const double drop = lobe_->sampleOneMinusCosine(u), sine = std::sqrt(std::max(0.0, drop * (2 - drop)));
+    const Vec3 right = reflection_.unitOrthogonal(), up = reflection_.cross(right);
+    sample.incoming = (1 - drop) * reflection_ + sine * (std::cos(turn) * right + std::sin(turn) * up);
+  }
+  sample.density_per_sr = densityPerSr(sample.incoming);
+  sample.weight =
+      sample.density_per_sr > 0 ? Rgb(value(sample.incoming) / sample.density_per_sr) : Rgb(Rgb::Zero());
+  return sample;
+}
+
+Bsdf::Sample Bsdf::sampleUniformly(double choice, double u, double v) const {
+  const bool has_mirror = lobe_ != nullptr && lobe_->isMirror();
+  if (has_mirror && choice >= diffuse_share_) return mirrorSample();
+  const double share = has_mirror ? diffuse_share_ : 1, radius = std::sqrt(u * (2 - u)), turn = 2 * kPi * v;
+  Sample sample;
+  sample.incoming =
+      radius * std::cos(turn) * tangent_ + radius * std::sin(turn) * bitangent_ + (1 - u) * normal_;
+  sample.density_per_sr = share / (2 * kPi);
+  sample.weight = value(sample.incoming) / sample.density_per_sr;
+  return sample;
+}
+
+}  // namespace bakelight::reference

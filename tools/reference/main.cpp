@@ -1,0 +1,63 @@
+// reference: the picture that the player shows, path-traced without approximations, with its variance.
+#include <algorithm>
+#include <filesystem>
+
+#include "formats/light_rig_file.h"
+#include "formats/pack.h"
+#include "tools/reference/reference.h"
+#include "tools/stage/frame_options.h"
+#include "transport/ray_scene.h"
+
+using namespace bakelight;
+
+int main(int argc, char** argv) {
+  std::filesystem::path pack_path, environment_path, lights_path, framing_path, image_path;
+  std::string background = "environment", transport_name = "full", integrator = "mis", at = "pixels";
+  reference::Options options;
+
+  stage::Tool tool("reference", "Path-traces the picture that the player shows of a pack: ground truth.");
+  tool.input("pack", "pack", pack_path, "mesh, colours and material are taken from it, its transfer is not")
+      .input("environment", "image", environment_path,
+             "lat-long HDR light; without it and lights: a soft key light", false)
+      .input("lights", "light_rig", lights_path, "light rig: distant lights and emitters; adds up", false)
+      .input("framing", "image", framing_path,
+             "a picture of this tool, whose mesh the camera frames in place of the pack's own", false)
+      .output("image", "image", image_path,
+              "EXR, 32-bit floats: R, G, B, A (linear, premultiplied) and variance.R, .G, .B of the means");
+  stage::declareFrame(tool, options.frame, background);
+  tool.parameter("transport", transport_name, reference::transportNames(),
+                 "interreflected: bounces are diffuse, as in a bake; shadowed and unshadowed: direct light")
+      .parameter("bounces", options.paths.bounces, {0, 1000}, "",
+                 "most reflections between surfaces; 0 is no limit")
+      .parameter("integrator", integrator, reference::integratorNames(),
+                 "uniform: over the hemisphere, without sampling lights; slow, for checks")
+      .parameter("at", at, reference::atNames(),
+                 "vertices: exit radiance at the vertices, interpolated as the player does")
+      .parameter("relative_error", options.effort.relative_error, {0, 1}, "",
+                 "stop at this standard error relative to the picture; 0: take exactly samples")
+      .parameter("samples", options.effort.samples, {32, 1 << 24}, "",
+                 "most samples a pixel, a multiple of 16 (rounded down)")
+      .parameter("seed", options.seed, {0, 2147483647}, "", "of all random numbers")
+      .executionPath(transport::RayScene::executionPath);
+
+  return tool.run(argc, argv, [&](stage::Run& run) {
+    const auto indexOf = [](const std::vector<std::string>& names, const std::string& name) {
+      return std::find(names.begin(), names.end(), name) - names.begin();
+    };
+    options.frame = stage::finishedSettings(options.frame, background);
+    options.paths.transport =
+        static_cast<reference::Transport>(indexOf(reference::transportNames(), transport_name));
+    options.paths.integrator =
+        static_cast<reference::Integrator>(indexOf(reference::integratorNames(), integrator));
+    options.at = static_cast<reference::At>(indexOf(reference::atNames(), at));
+
+    std::optional<transport::BoundingSphere> bounds;
+    if (!framing_path.empty())
+      bounds = reference::boundsFromMetadata(formats::readImageMetadata(framing_path), framing_path.string());
+    const reference::Reference result = reference::makeReference(
+        formats::readPack(pack_path), formats::readLights(environment_path, lights_path), options, bounds,
+        run.progressStyle());
+    formats::writeExr(image_path, result.picture.image, formats::ExrPrecision::kFloat, result.metadata);
+    reference::reportStats(run, result.picture, options);
+  });
+}

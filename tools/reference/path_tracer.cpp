@@ -1,0 +1,148 @@
+#include "tools/reference/path_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace bakelight::reference {
+namespace {
+
+// Dimensions of a path, by what they are for.
+enum Purpose { kLobeChoice, kReflection, kDistantLight, kEmitter, kRoulette, kPurposes };
+
+constexpr int kBouncesBeforeRoulette = 2;
+// Paths in a closed white cavity end too.
+constexpr double kLargestSurvival = 0.95;
+// Share of the distance to an emitter that a shadow ray leaves out, so that it does not meet the emitter.
+constexpr double kEmitterMargin = 1e-4;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Of a sample from a strategy of density `own`, against one other.
+double powerHeuristic(double own, double other) {
+  if (!(own > 0)) return 0;
+  if (std::isinf(own)) return 1;
+  const double ratio = other / own;
+  return 1 / (1 + ratio * ratio);
+}
+
+}  // namespace
+
+// A surface point of a path.
+struct PathTracer::Vertex {
+  ShadingPoint point;
+  int depth;  // 0: the one that is seen
+  const SampleOfBatch& sample;
+
+  double single(Purpose purpose) const { return sample.batch.single(sample.index, dimension(purpose)); }
+  std::array<double, 2> pair(Purpose purpose) const {
+    return sample.batch.pair(sample.index, dimension(purpose));
+  }
+  int dimension(Purpose purpose) const {
+    return SampleOfBatch::kFirstPathDimension + depth * kPurposes + purpose;
+  }
+};
+
+bool PathTracer::blocked(const Vec3& origin, const Vec3& direction, double distance) const {
+  const auto& scene = options_.transport == Transport::kUnshadowed ? scene_.emitterRays() : scene_.rays();
+  return scene.occluded(origin, direction, static_cast<float>(distance));
+}
+
+transport::Hit PathTracer::nextHit(const Vec3& origin, const Vec3& direction) const {
+  if (options_.transport != Transport::kUnshadowed) return scene_.rays().nearestHit(origin, direction);
+  transport::Hit hit = scene_.emitterRays().nearestHit(origin, direction);
+  hit.triangle += static_cast<std::uint32_t>(scene_.mesh().triangleCount());
+  return hit;
+}
+
+Rgb PathTracer::directLight(const Vertex& vertex, const Bsdf& bsdf, std::uint64_t& rays) const {
+  const Vec3& origin = vertex.point.origin;
+  Rgb light = Rgb::Zero();
+  const auto add = [&](const Vec3& direction, double distance, const Rgb& contribution) {
+    if ((contribution == 0).all()) return;
+    ++rays;
+    if (!blocked(origin, direction, distance)) light += contribution;
+  };
+
+  const transport::DistantLightSampler& distant = scene_.distantLight();
+  for (const auto& directional : distant.directional())
+    add(directional.direction, kInfinity, bsdf.value(directional.direction) * directional.irradiance);
+  if (options_.integrator == Integrator::kUniform) return light;
+
+  if (distant.isLit()) {
+    const auto [u, v] = vertex.pair(kDistantLight);
+    const auto [direction, incident] = distant.sample(u, v);
+    const double density = incident.density_per_sr;
+    add(direction, kInfinity,
+        bsdf.value(direction) * incident.radiance *
+            (powerHeuristic(density, bsdf.densityPerSr(direction)) / density));
+  }
+  if (scene_.emitters().isLit()) {
+    const auto [u, v] = vertex.pair(kEmitter);
+    const EmitterSampler::Sample emitter = scene_.emitters().sample(u, v);
+    const Vec3 offset = emitter.position - origin;
+    const double distance = offset.norm();
+    const Vec3 direction = offset / distance;
+    const double density = scene_.emitters().densityPerSr(emitter.triangle, direction, distance);
+    if (distance > 0 && std::isfinite(density))
+      add(direction, distance * (1 - kEmitterMargin),
+          bsdf.value(direction) * scene_.emitters().radiance(emitter.triangle) *
+              (powerHeuristic(density, bsdf.densityPerSr(direction)) / density));
+  }
+  return light;
+}
+
+// What the ray of a reflection sample brings from a light, weighed against sampling that light.
+Rgb PathTracer::emittedTowards(const Bsdf::Sample& sample, const transport::Hit& hit) const {
+  const bool both_strategies = options_.integrator == Integrator::kMis && sample.density_per_sr > 0;
+  const auto share = [&](double light_density) {
+    return both_strategies ? powerHeuristic(sample.density_per_sr, light_density) : 1.0;
+  };
+  if (!hit.valid) {
+    const auto incident = scene_.distantLight().towards(sample.incoming);
+    return share(incident.density_per_sr) * incident.radiance;
+  }
+  const std::uint32_t triangle = scene_.emitterTriangle(hit.triangle);
+  const double density = scene_.emitters().densityPerSr(triangle, sample.incoming, hit.distance);
+  return share(density) * scene_.emitters().radiance(triangle);
+}
+
+Rgb PathTracer::exitRadiance(const ShadingPoint& point, const Vec3& outgoing, const SampleOfBatch& sample,
+                             std::uint64_t& rays) const {
+  const bool direct_only =
+      options_.transport == Transport::kShadowed || options_.transport == Transport::kUnshadowed;
+  const int last_depth = direct_only            ? 0
+                         : options_.bounces > 0 ? options_.bounces
+                                                : std::numeric_limits<int>::max() / kPurposes - 1;
+  Rgb radiance = Rgb::Zero(), throughput = Rgb::Ones();
+  Vertex vertex{point, 0, sample};
+  Vec3 towards_eye = outgoing;
+  while (true) {
+    const bool glossy = vertex.depth == 0 || options_.transport == Transport::kFull;
+    const Bsdf bsdf(scene_.material(), vertex.point.albedo, vertex.point.normal, towards_eye, glossy);
+    radiance += throughput * directLight(vertex, bsdf, rays);
+
+    const auto [u, v] = vertex.pair(kReflection);
+    const double choice = vertex.single(kLobeChoice);
+    const Bsdf::Sample next = options_.integrator == Integrator::kMis ? bsdf.sample(choice, u, v)
+                                                                      : bsdf.sampleUniformly(choice, u, v);
+    throughput *= next.weight;
+    if ((throughput == 0).all()) return radiance;
+    ++rays;
+    const transport::Hit hit = nextHit(vertex.point.origin, next.incoming);
+    if (!hit.valid || scene_.isEmitter(hit.triangle))
+      return radiance + throughput * emittedTowards(next, hit);
+    if (vertex.depth == last_depth) return radiance;
+
+    if (vertex.depth >= kBouncesBeforeRoulette) {
+      const double survival = std::min(throughput.abs().maxCoeff(), kLargestSurvival);
+      if (vertex.single(kRoulette) >= survival) return radiance;
+      throughput /= survival;
+    }
+    vertex.point = scene_.pointAt(hit);
+    ++vertex.depth;
+    towards_eye = -next.incoming;
+  }
+}
+
+}  // namespace bakelight::reference

@@ -1,0 +1,280 @@
+#include "tools/reference/pictures.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace bakelight::reference {
+namespace {
+
+using transport::float3;
+using transport::StratifiedBatch;
+using transport::vec3;
+
+constexpr int kPixelDimension = 0;
+
+formats::Image emptyImage(const View& view) {
+  return {view.width_px, view.height_px, {"R", "G", "B", "A", "variance.R", "variance.G", "variance.B"}};
+}
+
+void setPixel(formats::Image& image, std::size_t pixel, const Rgb& mean, double alpha, const Rgb& variance) {
+  float* const values = &image.values[pixel * image.channelCount()];
+  for (int c = 0; c < 3; ++c) {
+    values[c] = static_cast<float>(mean[c]);
+    values[4 + c] = static_cast<float>(variance[c]);
+  }
+  values[3] = static_cast<float>(alpha);
+}
+
+double ratioOfRoots(double variance, double square) {
+  return variance > 0 ? std::sqrt(variance / square) : 0;
+}
+
+class PixelTracer {
+ public:
+  PixelTracer(const Scene& scene, const PathTracer& tracer, const View& view, std::uint64_t seed)
+      : scene_(scene),
+        tracer_(tracer),
+        view_(view),
+        seed_(seed),
+        eye_(view.camera.eye()),
+        pixels_(static_cast<std::size_t>(view.width_px) * view.height_px) {}
+
+  std::size_t pixelCount() const { return pixels_.size(); }
+
+  std::uint64_t trace(std::size_t pixel, int first_batch, int end_batch) {
+    std::uint64_t rays = 0;
+    for (int batch = first_batch; batch < end_batch; ++batch)
+      traceBatch(pixel, StratifiedBatch(seed_, pixel, static_cast<std::uint64_t>(batch)), rays);
+    return rays;
+  }
+
+  double relativeError() const {
+    double variance = 0, square = 0;
+    for (const Pixel& pixel : pixels_) {
+      if (!pixel.sees_object) continue;
+      variance += pixel.radiance.luminanceVariance();
+      square += pixel.radiance.luminance() * pixel.radiance.luminance();
+    }
+    return ratioOfRoots(variance, square);
+  }
+
+  Picture picture() const {
+    Picture picture{emptyImage(view_), {}, 0};
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+      const Pixel& pixel = pixels_[i];
+      setPixel(picture.image, i, pixel.radiance.mean(),
+               pixel.alpha / (pixel.radiance.batches() * StratifiedBatch::kSize), pixel.radiance.variance());
+      picture.object_pixels += pixel.sees_object ? 1 : 0;
+    }
+    return picture;
+  }
+
+ private:
+  struct Pixel {
+    BatchMeans radiance;
+    double alpha = 0;  // summed over samples
+    bool sees_object = false;
+  };
+
+  void traceBatch(std::size_t index, const StratifiedBatch& batch, std::uint64_t& rays) {
+    constexpr std::size_t kSize = StratifiedBatch::kSize;
+    thread_local transport::RayBundle bundle(kSize);
+    thread_local transport::HitBundle hits(kSize);
+    std::array<Vec3, kSize> directions;
+    const auto width = static_cast<std::size_t>(view_.width_px);
+    for (std::size_t s = 0; s < kSize; ++s) {
+      const auto [x, y] = batch.pair(static_cast<int>(s), kPixelDimension);
+      directions[s] = view_.camera.directionThrough(static_cast<double>(index % width) + x,
+                                                    static_cast<double>(index / width) + y, view_.width_px,
+                                                    view_.height_px);
+      bundle.set(s, float3(directions[s]));
+    }
+    scene_.rays().nearestHits(float3(eye_), bundle, 0, kSize, hits);
+    rays += kSize;
+
+    Pixel& pixel = pixels_[index];
+    Rgb sum = Rgb::Zero();
+    for (std::size_t s = 0; s < kSize; ++s) {
+      if (hits.blocked[s] == 0) {
+        const formats::Float4 seen = view_.backdrop(directions[s]);
+        sum += Rgb(seen[0], seen[1], seen[2]);
+        pixel.alpha += seen[3];
+        continue;
+      }
+      pixel.alpha += 1;
+      if (scene_.isEmitter(hits.triangle[s])) {
+        sum += scene_.emitters().radiance(scene_.emitterTriangle(hits.triangle[s]));
+        continue;
+      }
+      pixel.sees_object = true;
+      const transport::Hit hit{true,      hits.distance[s], hits.triangle[s],
+                               hits.u[s], hits.v[s],        hits.back_face[s] != 0};
+      sum += tracer_.exitRadiance(scene_.pointAt(hit), -directions[s], {batch, static_cast<int>(s)}, rays);
+    }
+    pixel.radiance.add(sum / kSize);
+  }
+
+  const Scene& scene_;
+  const PathTracer& tracer_;
+  const View& view_;
+  std::uint64_t seed_;
+  Vec3 eye_;
+  std::vector<Pixel> pixels_;
+};
+
+// A pixel as a sum of vertices and what does not depend on them.
+struct InterpolatedPixel {
+  std::vector<std::pair<std::uint32_t, double>> weights;  // by vertex, each once
+  Rgb constant = Rgb::Zero();                             // background and emitters
+  double alpha = 0;
+};
+
+InterpolatedPixel interpolate(const Scene& scene, const View& view, int x, int y) {
+  constexpr double kShare = 1.0 / (kInterpolatedSubsamples * kInterpolatedSubsamples);
+  const Vec3 eye = view.camera.eye();
+  InterpolatedPixel pixel;
+  const auto addVertex = [&](std::uint32_t vertex, double weight) {
+    const auto found = std::find_if(pixel.weights.begin(), pixel.weights.end(),
+                                    [&](const auto& entry) { return entry.first == vertex; });
+    if (found == pixel.weights.end())
+      pixel.weights.emplace_back(vertex, weight);
+    else
+      found->second += weight;
+  };
+  for (int j = 0; j < kInterpolatedSubsamples; ++j)
+    for (int i = 0; i < kInterpolatedSubsamples; ++i) {
+      const Vec3 direction = view.camera.directionThrough(x + (i + 0.5) / kInterpolatedSubsamples,
+                                                          y + (j + 0.5) / kInterpolatedSubsamples,
+                                                          view.width_px, view.height_px);
+      const transport::Hit hit = scene.rays().nearestHit(eye, direction);
+      const formats::Float4 behind = hit.valid ? formats::Float4{0, 0, 0, 1} : view.backdrop(direction);
+      pixel.alpha += kShare * behind[3];
+      pixel.constant += kShare * Rgb(behind[0], behind[1], behind[2]);
+      if (!hit.valid) continue;
+      if (scene.isEmitter(hit.triangle)) {
+        pixel.constant += kShare * scene.emitters().radiance(scene.emitterTriangle(hit.triangle));
+        continue;
+      }
+      const formats::Triangle& corners = scene.mesh().triangles[hit.triangle];
+      addVertex(corners[0], kShare * (1.0 - hit.u - hit.v));
+      addVertex(corners[1], kShare * hit.u);
+      addVertex(corners[2], kShare * hit.v);
+    }
+  return pixel;
+}
+
+class VertexTracer {
+ public:
+  VertexTracer(const Scene& scene, const PathTracer& tracer, const View& view, std::uint64_t seed)
+      : scene_(scene),
+        tracer_(tracer),
+        view_(view),
+        seed_(seed),
+        eye_(view.camera.eye()),
+        pixels_(static_cast<std::size_t>(view.width_px) * view.height_px),
+        vertices_(scene.mesh().vertexCount()),
+        squared_weights_(scene.mesh().vertexCount(), 0.0) {
+    tbb::parallel_for(0, view.height_px, [&](int y) {
+      for (int x = 0; x < view.width_px; ++x)
+        pixels_[static_cast<std::size_t>(y) * view.width_px + x] = interpolate(scene, view, x, y);
+    });
+    for (const InterpolatedPixel& pixel : pixels_)
+      for (const auto& [vertex, weight] : pixel.weights) squared_weights_[vertex] += weight * weight;
+    for (std::uint32_t v = 0; v < vertices_.size(); ++v)
+      if (squared_weights_[v] > 0) seen_.push_back(v);
+  }
+
+  std::size_t seenCount() const { return seen_.size(); }
+  std::uint64_t cameraRays() const {
+    return pixels_.size() * kInterpolatedSubsamples * kInterpolatedSubsamples;
+  }
+
+  std::uint64_t trace(std::size_t place, int first_batch, int end_batch) {
+    const std::uint32_t vertex = seen_[place];
+    const ShadingPoint point = scene_.pointAtVertex(vertex);
+    const Vec3 offset = eye_ - vec3(scene_.mesh().positions[vertex]);
+    // An eye at the vertex itself looks along the normal, as the player's does.
+    const Vec3 outgoing = offset.norm() > 0 ? Vec3(offset.normalized()) : point.normal;
+    std::uint64_t rays = 0;
+    for (int number = first_batch; number < end_batch; ++number) {
+      const StratifiedBatch batch(seed_, vertex, static_cast<std::uint64_t>(number));
+      Rgb sum = Rgb::Zero();
+      for (int s = 0; s < StratifiedBatch::kSize; ++s)
+        sum += tracer_.exitRadiance(point, outgoing, {batch, s}, rays);
+      vertices_[vertex].add(sum / StratifiedBatch::kSize);
+    }
+    return rays;
+  }
+
+  double relativeError() const {
+    double variance = 0, square = 0;
+    for (const std::uint32_t vertex : seen_)
+      variance += squared_weights_[vertex] * vertices_[vertex].luminanceVariance();
+    for (const InterpolatedPixel& pixel : pixels_) {
+      if (pixel.weights.empty()) continue;
+      double luminance = transport::luminance(float3(pixel.constant.matrix()));
+      for (const auto& [vertex, weight] : pixel.weights) luminance += weight * vertices_[vertex].luminance();
+      square += luminance * luminance;
+    }
+    return ratioOfRoots(variance, square);
+  }
+
+  Picture picture() const {
+    Picture picture{emptyImage(view_), {}, 0};
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+      const InterpolatedPixel& pixel = pixels_[i];
+      Rgb mean = pixel.constant, variance = Rgb::Zero();
+      for (const auto& [vertex, weight] : pixel.weights) {
+        mean += weight * vertices_[vertex].mean();
+        variance += weight * weight * vertices_[vertex].variance();
+      }
+      setPixel(picture.image, i, mean, pixel.alpha, variance);
+      picture.object_pixels += pixel.weights.empty() ? 0 : 1;
+    }
+    return picture;
+  }
+
+ private:
+  const Scene& scene_;
+  const PathTracer& tracer_;
+  const View& view_;
+  std::uint64_t seed_;
+  Vec3 eye_;
+  std::vector<InterpolatedPixel> pixels_;
+  std::vector<BatchMeans> vertices_;
+  std::vector<double> squared_weights_;  // of each vertex, over all pixels
+  std::vector<std::uint32_t> seen_;      // vertices with a weight
+};
+
+}  // namespace
+
+Picture tracePixels(const Scene& scene, const PathTracer& tracer, const View& view, const Effort& effort,
+                    std::uint64_t seed, stage::ProgressStyle progress) {
+  PixelTracer pixels(scene, tracer, view, seed);
+  const RoundsReport report = runRounds(
+      pixels.pixelCount(), effort,
+      [&](std::size_t pixel, int first, int end) { return pixels.trace(pixel, first, end); },
+      [&] { return pixels.relativeError(); }, progress);
+  Picture picture = pixels.picture();
+  picture.report = report;
+  return picture;
+}
+
+Picture traceVertices(const Scene& scene, const PathTracer& tracer, const View& view, const Effort& effort,
+                      std::uint64_t seed, stage::ProgressStyle progress) {
+  VertexTracer vertices(scene, tracer, view, seed);
+  const RoundsReport report = runRounds(
+      vertices.seenCount(), effort,
+      [&](std::size_t place, int first, int end) { return vertices.trace(place, first, end); },
+      [&] { return vertices.relativeError(); }, progress);
+  Picture picture = vertices.picture();
+  picture.report = report;
+  picture.report.rays += vertices.cameraRays();
+  return picture;
+}
+
+}  // namespace bakelight::reference

@@ -1,0 +1,37 @@
+// Pictures with the variance of each pixel.
+#pragma once
+
+#include "formats/image.h"
+#include "tools/reference/estimates.h"
+#include "tools/reference/path_tracer.h"
+#include "transport/cpu_renderer.h"
+
+namespace bakelight::reference {
+
+struct View {
+  transport::OrbitCamera camera;
+  int width_px = 0, height_px = 0;
+  transport::Backdrop backdrop;
+};
+
+struct Picture {
+  // R, G, B, A: linear radiance, premultiplied; variance.R, .G, .B: of the mean that stands in R, G and B.
+  formats::Image image;
+  RoundsReport report;  // its relative error is that of luminance, over pixels that see the object:
+                        // √(Σ variance) ÷ √(Σ mean²)
+  std::size_t object_pixels = 0;
+};
+
+// Paths through each pixel, whose box is sampled evenly. The same bytes whatever the threads.
+Picture tracePixels(const Scene& scene, const PathTracer& tracer, const View& view, const Effort& effort,
+                    std::uint64_t seed, stage::ProgressStyle progress);
+
+// Paths from the vertices towards the eye, interpolated over the triangles as the player does: the best that
+// a bake without any other error could do. Pixels are box-filtered by kInterpolatedSubsamples² fixed rays,
+// whose error is none of noise; the variance is that of the vertices, by the squares of their weights.
+// Vertices that no pixel shows are left out.
+inline constexpr int kInterpolatedSubsamples = 8;
+Picture traceVertices(const Scene& scene, const PathTracer& tracer, const View& view, const Effort& effort,
+                      std::uint64_t seed, stage::ProgressStyle progress);
+
+}  // namespace bakelight::reference

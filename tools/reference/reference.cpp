@@ -1,0 +1,125 @@
+#include "tools/reference/reference.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "formats/error.h"
+#include "transport/frame.h"
+#include "transport/lighting.h"
+
+namespace bakelight::reference {
+namespace {
+
+using transport::BoundingSphere;
+
+std::string text(double number) {
+  std::array<char, 32> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), "%.17g", number);
+  return buffer.data();
+}
+
+std::string text(const Vec3& v) {
+  return text(v.x()) + " " + text(v.y()) + " " + text(v.z());
+}
+
+// As the player draws it.
+transport::Backdrop backdropOf(const formats::Pack& pack, const formats::LightRig& rig,
+                               const formats::FrameSettings& frame) {
+  switch (frame.background) {
+    case formats::Background::kTransparent:
+      return [](const Vec3&) -> formats::Float4 { return {0, 0, 0, 0}; };
+    case formats::Background::kBlack:
+      return [](const Vec3&) -> formats::Float4 { return {0, 0, 0, 1}; };
+    case formats::Background::kEnvironment:
+      break;
+  }
+  transport::Lighting lighting = transport::lightingFor(rig, std::max(pack.transfer.order, 1), "lights");
+  return [image = std::move(lighting.backdrop),
+          light_from_world = Eigen::Matrix3d(transport::worldFromLight(frame).transpose())](
+             const Vec3& direction) -> formats::Float4 {
+    const transport::Float3 radiance = transport::lookUpLatLong(image, light_from_world * direction);
+    return {radiance[0], radiance[1], radiance[2], 1};
+  };
+}
+
+std::map<std::string, std::string> metadataOf(const Options& options, const transport::OrbitCamera& camera,
+                                              const BoundingSphere& bounds, const RoundsReport& report) {
+  const auto word = [](const std::vector<std::string>& names, auto value) {
+    return names[static_cast<std::size_t>(value)];
+  };
+  return {{"bakelight:frame", formats::toJson(options.frame).dump()},
+          {"bakelight:eye", text(camera.eye())},
+          {"bakelight:target", text(camera.target)},
+          {"bakelight:fov_deg", text(camera.field_of_view_deg)},
+          {"bakelight:bounds", text(bounds.center) + " " + text(bounds.radius)},
+          {"bakelight:transport", word(transportNames(), options.paths.transport)},
+          {"bakelight:bounces", std::to_string(options.paths.bounces)},
+          {"bakelight:integrator", word(integratorNames(), options.paths.integrator)},
+          {"bakelight:at", word(atNames(), options.at)},
+          {"bakelight:seed", std::to_string(options.seed)},
+          {"bakelight:samples_per_pixel", std::to_string(report.samples)},
+          {"bakelight:relative_error", text(report.relative_error)}};
+}
+
+}  // namespace
+
+const std::vector<std::string>& transportNames() {
+  static const std::vector<std::string> kNames = {"full", "interreflected", "shadowed", "unshadowed"};
+  return kNames;
+}
+const std::vector<std::string>& integratorNames() {
+  static const std::vector<std::string> kNames = {"mis", "uniform"};
+  return kNames;
+}
+const std::vector<std::string>& atNames() {
+  static const std::vector<std::string> kNames = {"pixels", "vertices"};
+  return kNames;
+}
+
+Reference makeReference(const formats::Pack& pack, const formats::LightRig& rig, const Options& options,
+                        const std::optional<BoundingSphere>& bounds, stage::ProgressStyle progress) {
+  const BoundingSphere framed = bounds.value_or(transport::boundingSphere(pack.mesh));
+  const Scene scene(pack, rig, options.frame, framed);
+  const PathTracer tracer(scene, options.paths);
+  const View view{transport::frameCamera(options.frame, framed), options.frame.width_px,
+                  options.frame.height_px, backdropOf(pack, rig, options.frame)};
+  const auto trace = options.at == At::kPixels ? tracePixels : traceVertices;
+  Reference reference{
+      trace(scene, tracer, view, options.effort, static_cast<std::uint64_t>(options.seed), progress), {}};
+  reference.metadata = metadataOf(options, view.camera, framed, reference.picture.report);
+  return reference;
+}
+
+BoundingSphere boundsFromMetadata(const std::map<std::string, std::string>& metadata,
+                                  const std::string& file) {
+  const auto found = metadata.find("bakelight:bounds");
+  std::istringstream numbers(found == metadata.end() ? "" : found->second);
+  numbers.imbue(std::locale::classic());
+  BoundingSphere bounds;
+  if (!(numbers >> bounds.center.x() >> bounds.center.y() >> bounds.center.z() >> bounds.radius) ||
+      !(bounds.radius >= 0))
+    throw badInput({file, "attribute bakelight:bounds", ""}, "it is missing, or not four numbers",
+                   "a picture that this tool has made");
+  return bounds;
+}
+
+void reportStats(stage::Run& run, const Picture& picture, const Options& options) {
+  const RoundsReport& report = picture.report;
+  run.stat("relative_error", report.relative_error);
+  run.stat("converged", report.converged);
+  run.stat("samples_per_pixel", report.samples);
+  run.stat("rounds", report.rounds);
+  run.stat("object_pixels", picture.object_pixels);
+  run.stat("rays", report.rays);
+  run.stat("rays_per_s", report.seconds > 0 ? static_cast<double>(report.rays) / report.seconds : 0.0);
+  run.stat("trace_s", report.seconds);
+  if (picture.object_pixels == 0) run.warn("no pixel sees the object");
+  if (!report.converged)
+    run.warn("relative error " + text(report.relative_error) + " after " + std::to_string(report.samples) +
+             " samples a pixel, not " + text(options.effort.relative_error) + "; raise samples");
+}
+
+}  // namespace bakelight::reference

@@ -1,0 +1,48 @@
+// The path-traced picture of a pack: what the player would show if nothing were approximated.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "formats/frame_settings.h"
+#include "formats/light_rig.h"
+#include "formats/pack_contents.h"
+#include "tools/reference/pictures.h"
+#include "tools/stage/stage.h"
+
+namespace bakelight::reference {
+
+enum class At { kPixels, kVertices };
+
+struct Options {
+  formats::FrameSettings frame;
+  PathOptions paths;
+  At at = At::kPixels;
+  Effort effort;
+  int seed = 0;
+};
+
+// Words for the command line and for metadata, in the order of the enumerators.
+const std::vector<std::string>& transportNames();
+const std::vector<std::string>& integratorNames();
+const std::vector<std::string>& atNames();
+
+// `bounds` as in Scene: nothing, the pack's own.
+struct Reference {
+  Picture picture;
+  std::map<std::string, std::string> metadata;  // all that it takes to make it again
+};
+Reference makeReference(const formats::Pack& pack, const formats::LightRig& rig, const Options& options,
+                        const std::optional<transport::BoundingSphere>& bounds,
+                        stage::ProgressStyle progress);
+
+// The bounding sphere that a picture of makeReference was framed by, from its metadata. Throws
+// Error(kBadInput) naming `file` if it is not there.
+transport::BoundingSphere boundsFromMetadata(const std::map<std::string, std::string>& metadata,
+                                             const std::string& file);
+
+void reportStats(stage::Run& run, const Picture& picture, const Options& options);
+
+}  // namespace bakelight::reference

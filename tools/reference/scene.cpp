@@ -1,0 +1,113 @@
+#include "tools/reference/scene.h"
+
+#include <algorithm>
+
+#include "formats/error.h"
+#include "transport/frame.h"
+#include "transport/near_light.h"
+#include "transport/surface_points.h"
+
+namespace bakelight::reference {
+namespace {
+
+using formats::TriangleMesh;
+using transport::Float3;
+using transport::vec3;
+
+// The pack's mesh, turned about the middle of `bounds`.
+TriangleMesh meshInWorld(const formats::Pack& pack, const formats::FrameSettings& frame,
+                         const transport::BoundingSphere& bounds) {
+  if (pack.mesh.triangleCount() == 0)
+    throw badInput({"", "mesh", ""}, "the pack has no triangles", "a mesh to look at");
+  if (pack.mesh.normals.size() != pack.mesh.vertexCount())
+    throw badInput({"", "normals", ""}, "the pack has no normal for each vertex", "a unit normal a vertex",
+                   "make the pack again from a mesh that went through simplify");
+  TriangleMesh mesh;
+  mesh.positions = pack.mesh.positions;
+  mesh.normals = pack.mesh.normals;
+  mesh.triangles = pack.mesh.triangles;
+  const Eigen::Matrix3d world_from_object = transport::worldFromObject(frame);
+  if (world_from_object.isIdentity(0)) return mesh;
+  transport::turnAbout(bounds.center, world_from_object, mesh.positions);
+  transport::turnAbout(Vec3::Zero(), world_from_object, mesh.normals);
+  return mesh;
+}
+
+std::vector<Float3> frontOrigins(const TriangleMesh& mesh) {
+  std::vector<Float3> origins;
+  for (const auto& point : transport::frontPoints(mesh, transport::kDefaultBias))
+    origins.push_back(point.origin);
+  return origins;
+}
+
+TriangleMesh joined(const TriangleMesh& mesh, const TriangleMesh& other) {
+  TriangleMesh whole;
+  whole.positions = mesh.positions;
+  whole.triangles = mesh.triangles;
+  const auto first = static_cast<std::uint32_t>(mesh.vertexCount());
+  whole.positions.insert(whole.positions.end(), other.positions.begin(), other.positions.end());
+  for (const auto& [a, b, c] : other.triangles) whole.triangles.push_back({first + a, first + b, first + c});
+  return whole;
+}
+
+}  // namespace
+
+Scene::Scene(const formats::Pack& pack, const formats::LightRig& rig, const formats::FrameSettings& frame,
+             const transport::BoundingSphere& bounds)
+    : Scene(pack, rig, frame, bounds, transport::emitterMesh(rig, bounds, frame.time_s)) {}
+
+Scene::Scene(const formats::Pack& pack, const formats::LightRig& rig, const formats::FrameSettings& frame,
+             const transport::BoundingSphere& bounds, const transport::EmitterMesh& emitters)
+    : mesh_(meshInWorld(pack, frame, bounds)),
+      vertex_origins_(frontOrigins(mesh_)),
+      base_color_(vec3(pack.base_color)),
+      colors_(pack.colors),
+      material_(pack.transfer.material),
+      distant_(rig, transport::worldFromLight(frame)),
+      emitters_(emitters),
+      rays_(joined(mesh_, emitters.mesh)),
+      emitter_rays_(emitters.mesh),
+      offset_(transport::surfaceOffset(mesh_, transport::kDefaultBias)) {}
+
+Rgb Scene::albedoOf(std::uint32_t vertex) const {
+  return colors_.empty() ? base_color_ : Rgb(base_color_ * vec3(colors_[vertex]).array());
+}
+
+ShadingPoint Scene::pointAt(const transport::Hit& hit) const {
+  const formats::Triangle& corners = mesh_.triangles[hit.triangle];
+  const double u = hit.u, v = hit.v;
+  const std::array<double, 3> weights = {1 - u - v, u, v};
+  Vec3 position = Vec3::Zero(), normal = Vec3::Zero();
+  Rgb albedo = Rgb::Zero();
+  for (std::size_t i = 0; i < 3; ++i) {
+    position += weights[i] * vec3(mesh_.positions[corners[i]]);
+    normal += weights[i] * vec3(mesh_.normals[corners[i]]);
+    if (!colors_.empty()) albedo += weights[i] * albedoOf(corners[i]);
+  }
+  if (colors_.empty()) albedo = base_color_;
+  const double side = hit.back_face ? -1 : 1;
+  const double length = normal.norm();
+  // Normals that cancel out leave the triangle's own.
+  if (length > 1e-6) {
+    normal *= side / length;
+  } else {
+    const Vec3 edge = vec3(mesh_.positions[corners[1]]) - vec3(mesh_.positions[corners[0]]);
+    normal =
+        side * edge.cross(vec3(mesh_.positions[corners[2]]) - vec3(mesh_.positions[corners[0]])).normalized();
+  }
+
+  // Out to the vertices' tangent planes where these lie above the triangle, interpolated.
+  Vec3 lift = Vec3::Zero();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 vertex_normal = side * vec3(mesh_.normals[corners[i]]);
+    const double below = (position - vec3(mesh_.positions[corners[i]])).dot(vertex_normal);
+    lift -= weights[i] * std::min(0.0, below) * vertex_normal;
+  }
+  return {position + lift + offset_ * normal, normal, albedo};
+}
+
+ShadingPoint Scene::pointAtVertex(std::uint32_t vertex) const {
+  return {vec3(vertex_origins_[vertex]), vec3(mesh_.normals[vertex]).normalized(), albedoOf(vertex)};
+}
+
+}  // namespace bakelight::reference

@@ -1,0 +1,73 @@
+// What the player shows, for rays: the pack's mesh and emitters in the world, materials and lights.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "formats/frame_settings.h"
+#include "formats/light_rig.h"
+#include "formats/pack_contents.h"
+#include "tools/reference/bsdf.h"
+#include "tools/reference/emitter_sampler.h"
+#include "transport/camera.h"
+#include "transport/ray_scene.h"
+
+namespace bakelight::reference {
+
+// A point that reflects light.
+struct ShadingPoint {
+  Vec3 origin;  // where its rays start, off the surface
+  Vec3 normal;  // for shading, on the side that is seen
+  Rgb albedo;
+};
+
+class Scene {
+ public:
+  // Camera, turn of the object and lengths of the rig refer to `bounds`: the pack's bounding sphere, or that
+  // of another mesh of which this one is a variant. The pack's transfer is not looked at. Throws
+  // Error(kBadInput) for a pack without triangles or without a normal a vertex, and what DistantLightSampler
+  // and RayScene throw.
+  Scene(const formats::Pack& pack, const formats::LightRig& rig, const formats::FrameSettings& frame,
+        const transport::BoundingSphere& bounds);
+
+  const formats::TriangleMesh& mesh() const { return mesh_; }  // in the world
+  const Material& material() const { return material_; }
+  const transport::DistantLightSampler& distantLight() const { return distant_; }
+  const EmitterSampler& emitters() const { return emitters_; }
+
+  // Triangles of the rays' scenes: the mesh's, then the emitters'.
+  bool isEmitter(std::uint32_t triangle) const { return triangle >= mesh_.triangleCount(); }
+  std::uint32_t emitterTriangle(std::uint32_t triangle) const {
+    return triangle - static_cast<std::uint32_t>(mesh_.triangleCount());
+  }
+
+  const transport::RayScene& rays() const { return rays_; }
+  // The emitters alone, for light without the object's shadows; their triangles count from 0.
+  const transport::RayScene& emitterRays() const { return emitter_rays_; }
+
+  // Where a ray met the mesh: interpolated normal and albedo, both turned to the side that was hit. Rays
+  // start where they would from a smooth surface through the vertices (Hanika 2021, "Hacking the Shadow
+  // Terminator", Ray Tracing Gems II, chapter 4), then off it by the bias of a bake, so that a smooth convex
+  // body does not shadow itself.
+  ShadingPoint pointAt(const transport::Hit& hit) const;
+  // A vertex from its front, as a bake sees it (transport::frontPoints).
+  ShadingPoint pointAtVertex(std::uint32_t vertex) const;
+
+ private:
+  Scene(const formats::Pack& pack, const formats::LightRig& rig, const formats::FrameSettings& frame,
+        const transport::BoundingSphere& bounds, const transport::EmitterMesh& emitters);
+  Rgb albedoOf(std::uint32_t vertex) const;
+
+  formats::TriangleMesh mesh_;
+  std::vector<transport::Float3> vertex_origins_;
+  Rgb base_color_;
+  std::vector<transport::Float3> colors_;
+  Material material_;
+  transport::DistantLightSampler distant_;
+  EmitterSampler emitters_;
+  transport::RayScene rays_, emitter_rays_;
+  double offset_;  // of rays, off the surface
+};
+
+}  // namespace bakelight::reference
