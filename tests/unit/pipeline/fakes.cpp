@@ -174,12 +174,13 @@ ToolFinished FakeRunner::work(const std::vector<std::string>& command) {
   } catch (const Error& error) {
     return {.exit_status = static_cast<int>(error.status()), .error = error};
   }
-  const nlohmann::json stats = {{"tool", name},
-                                {"wall_s", 0.0},
-                                {"cpu_s", 0.0},
-                                {"peak_memory_bytes", 0},
-                                {"warnings", nlohmann::json::array()},
-                                {"stats", {{"inputs", description.inputs.size()}}}};
+  nlohmann::json stats = {{"tool", name},
+                          {"wall_s", 0.0},
+                          {"cpu_s", 0.0},
+                          {"peak_memory_bytes", 0},
+                          {"warnings", nlohmann::json::array()},
+                          {"stats", tool.stats}};
+  stats["stats"]["inputs"] = description.inputs.size();
   disk_.write(valueOf(command, "--stats"), stats.dump());
   return {.wall_s = 1.5, .cpu_s = 2.5, .peak_memory_bytes = 4096};
 }

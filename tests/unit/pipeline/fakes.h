@@ -61,6 +61,7 @@ struct FakeTool {
   std::function<std::map<std::string, std::string>(const std::map<std::string, std::string>& inputs,
                                                    const nlohmann::json& parameters)>
       make;
+  nlohmann::json stats = nlohmann::json::object();  // figures that it tells
 };
 
 class FakeRunner : public Runner {
