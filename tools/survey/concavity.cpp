@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -19,7 +20,8 @@ using transport::vec3;
 
 namespace {
 
-constexpr std::size_t kBlock = 256;  // triangles that share one look at the best height so far
+constexpr std::size_t kBlock = 256;       // triangles that share one look at the best height so far
+constexpr std::size_t kFirstLook = 1009;  // every so many
 
 std::vector<Vec3> usedPositions(const TriangleMesh& mesh) {
   std::vector<std::uint8_t> used(mesh.vertexCount(), 0);
@@ -62,16 +64,20 @@ double concavity(const TriangleMesh& mesh) {
   const SupportTree tree(usedPositions(mesh));
   const double rounding = positionRounding(mesh), radius = transport::boundingSphere(mesh).radius;
   std::atomic<double> best{0};
-  // Blocks are strided over the mesh: a first look at all of its parts soon finds a height that most of the
-  // rest need not be searched for.
-  const std::size_t block_count = (mesh.triangleCount() + kBlock - 1) / kBlock;
-  tbb::parallel_for(std::size_t{0}, block_count, [&](std::size_t block) {
+  const auto search = [&](std::size_t begin, std::size_t end, std::size_t step) {
     double highest = best.load();
-    for (std::size_t t = block; t < mesh.triangleCount(); t += block_count) {
+    for (std::size_t t = begin; t < end; t += step) {
       Plane plane;
       if (planeOf(mesh, mesh.triangles[t], rounding, plane)) highest = tree.highest(plane, highest);
     }
     raise(best, highest);
+  };
+  // A first look at all parts of the mesh finds a height that most of the rest need not be searched for.
+  // Neighbours in a block look at the same boxes.
+  search(0, mesh.triangleCount(), kFirstLook);
+  const std::size_t block_count = (mesh.triangleCount() + kBlock - 1) / kBlock;
+  tbb::parallel_for(std::size_t{0}, block_count, [&](std::size_t block) {
+    search(block * kBlock, std::min((block + 1) * kBlock, mesh.triangleCount()), 1);
   });
   return radius > 0 ? best.load() / radius : 0;
 }

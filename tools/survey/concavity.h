@@ -16,8 +16,9 @@ namespace bakelight::survey {
 // triangle's smallest height. So a finely divided face of a turned box is flat, and a dent is seen however
 // fine.
 //
-// Exact up to that: branch and bound over a tree of oriented boxes. Cost: n log n for convex bodies of n
-// vertices, flat or curved. On all TBB threads; the same value whatever their number.
+// Exact up to that: branch and bound over a tree of oriented boxes. Cost, for n vertices: n log n on curved
+// surfaces; n √n where large flat faces are finely divided. On all TBB threads; the same value whatever their
+// number.
 double concavity(const formats::TriangleMesh& mesh);
 
 }  // namespace bakelight::survey
