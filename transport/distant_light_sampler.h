@@ -2,6 +2,7 @@
 // integration.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "formats/light_rig.h"
@@ -13,80 +14,46 @@ using Rgb = Eigen::Array3d;
 
 // All distant lights of a rig, turned into the world; the default light (lights.h) for a rig without any
 // light.
-//   Lat-long images are constant over each texel, as projectLatLong integrates them, and are sampled by
-// luminance × exact solid angle, uniformly within the texel. Disks and the sun are cones, uniform in solid
-// angle. Sky with ground, polygons and cube maps are drawn into a lat-long image first. Which of
-// these a sample comes from is drawn by power (luminance × solid angle), so a small sun of 10⁶ is met as
-// often as its light weighs. Directional lights have no extent and are listed apart.
+//   Lat-long images are constant over each texel, as projectLatLong integrates them: a texel is drawn by
+// luminance × exact solid angle, a direction uniformly within it. Disks and the sun are cones, uniform in
+// solid angle. Sky with ground, polygons and cube maps are drawn into a lat-long image first.
+//   What lies behind a surface is not worth sampling, so images are cut into blocks, and for each of some
+// hundred directions of a normal these and the cones have a weight: power (luminance × solid angle) × cosine,
+// taken over all normals of that cell and all directions of the block. A light that any of these normals can
+// see has a weight above zero, so a small sun of 10⁶ is met as often as its light counts. Directional lights
+// have no extent and are listed apart.
 class DistantLightSampler {
  public:
-  // Throws what drawBackdrop and rgbImage throw.
+  // Throws what drawBackdrop and rgbImage throw. Cost: some tens of milliseconds an image.
   DistantLightSampler(const formats::LightRig& rig, const Eigen::Matrix3d& world_from_light);
+  ~DistantLightSampler();
 
-  // What comes from a direction (unit, towards the light): radiance, and how densely sample() visits it. The
-  // density is 0 where nothing or less than nothing (a negative texel) shines.
+  Rgb radiance(const Vec3& direction) const;
+
+  // What comes from a direction (unit, towards the light): radiance, and how densely sample() visits it for
+  // this normal. The density is 0 where nothing or less than nothing (a negative texel) shines.
   struct Incident {
     Rgb radiance = Rgb::Zero();
     double density_per_sr = 0;
   };
-  Incident towards(const Vec3& direction) const;
+  Incident towards(const Vec3& direction, const Vec3& normal) const;
 
   struct Sample {
-    Vec3 direction;
-    Incident incident;
+    Vec3 direction = Vec3::UnitY();
+    Incident incident;  // of density 0 if no light is above the surface
   };
-  // The image of a point of the unit square; keeps its strata together. Not to be called if !isLit().
-  Sample sample(double u, double v) const;
-  bool isLit() const { return !cumulative_power_.empty() && cumulative_power_.back() > 0; }
+  // The image of a point of the unit square; keeps its strata together.
+  Sample sample(const Vec3& normal, double u, double v) const;
 
   struct Directional {
     Vec3 direction;
     Rgb irradiance;  // on a surface that faces it
   };
-  const std::vector<Directional>& directional() const { return directional_; }
+  const std::vector<Directional>& directional() const;
 
  private:
-  // Texels of a lat-long image by luminance × solid angle.
-  class Texels {
-   public:
-    // `image` has channels R, G, B.
-    Texels(formats::Image image, double intensity, const Eigen::Matrix3d& world_from_image);
-    double power() const { return power_; }
-    Incident towards(const Vec3& direction) const;
-    Sample sample(double u, double v) const;
-
-   private:
-    Incident at(int x, int y) const;
-    double sineAbove(int y) const;
-
-    formats::Image image_;
-    Eigen::Matrix3d world_from_image_;
-    double power_ = 0, intensity_;
-    // Cumulative probabilities: of rows (height + 1), and of the texels of each row (height × (width + 1)).
-    std::vector<double> rows_, columns_;
-    std::vector<double> solid_angle_sr_;  // of a texel in each row
-  };
-
-  class Cone {
-   public:
-    Cone(const Vec3& axis, double half_angle_rad, const Rgb& radiance);
-    double power() const;
-    Incident towards(const Vec3& direction) const;
-    Sample sample(double u, double v) const;
-
-   private:
-    Vec3 axis_, right_, up_;
-    double half_chord_squared_;  // sin²(half angle / 2): (1 − cosine) / 2 at the rim, without cancellation
-    Rgb radiance_;
-  };
-
-  struct Collector;
-  double shareOf(std::size_t source) const;
-
-  std::vector<Texels> texels_;
-  std::vector<Cone> cones_;
-  std::vector<Directional> directional_;
-  std::vector<double> cumulative_power_;  // of texels_, then cones_; from 0 up to 1
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
 };
 
 }  // namespace bakelight::transport

@@ -69,37 +69,37 @@ Rgb PathTracer::directLight(const Vertex& vertex, const Bsdf& bsdf, std::uint64_
     add(directional.direction, kInfinity, bsdf.value(directional.direction) * directional.irradiance);
   if (options_.integrator == Integrator::kUniform) return light;
 
-  if (distant.isLit()) {
-    const auto [u, v] = vertex.pair(kDistantLight);
-    const auto [direction, incident] = distant.sample(u, v);
-    const double density = incident.density_per_sr;
-    add(direction, kInfinity,
-        bsdf.value(direction) * incident.radiance *
-            (powerHeuristic(density, bsdf.densityPerSr(direction)) / density));
+  const auto [u, v] = vertex.pair(kDistantLight);
+  const auto [direction, incident] = distant.sample(vertex.point.normal, u, v);
+  if (incident.density_per_sr > 0) {
+    const double share = powerHeuristic(incident.density_per_sr, bsdf.densityPerSr(direction));
+    add(direction, kInfinity, bsdf.value(direction) * incident.radiance * (share / incident.density_per_sr));
   }
   if (scene_.emitters().isLit()) {
-    const auto [u, v] = vertex.pair(kEmitter);
-    const EmitterSampler::Sample emitter = scene_.emitters().sample(u, v);
+    const auto [across, along] = vertex.pair(kEmitter);
+    const EmitterSampler::Sample emitter = scene_.emitters().sample(across, along);
     const Vec3 offset = emitter.position - origin;
     const double distance = offset.norm();
-    const Vec3 direction = offset / distance;
-    const double density = scene_.emitters().densityPerSr(emitter.triangle, direction, distance);
+    const Vec3 towards = offset / distance;
+    const double density = scene_.emitters().densityPerSr(emitter.triangle, towards, distance);
     if (distance > 0 && std::isfinite(density))
-      add(direction, distance * (1 - kEmitterMargin),
-          bsdf.value(direction) * scene_.emitters().radiance(emitter.triangle) *
-              (powerHeuristic(density, bsdf.densityPerSr(direction)) / density));
+      add(towards, distance * (1 - kEmitterMargin),
+          bsdf.value(towards) * scene_.emitters().radiance(emitter.triangle) *
+              (powerHeuristic(density, bsdf.densityPerSr(towards)) / density));
   }
   return light;
 }
 
 // What the ray of a reflection sample brings from a light, weighed against sampling that light.
-Rgb PathTracer::emittedTowards(const Bsdf::Sample& sample, const transport::Hit& hit) const {
+Rgb PathTracer::emittedTowards(const Vec3& normal, const Bsdf::Sample& sample,
+                               const transport::Hit& hit) const {
   const bool both_strategies = options_.integrator == Integrator::kMis && sample.density_per_sr > 0;
   const auto share = [&](double light_density) {
     return both_strategies ? powerHeuristic(sample.density_per_sr, light_density) : 1.0;
   };
   if (!hit.valid) {
-    const auto incident = scene_.distantLight().towards(sample.incoming);
+    if (!both_strategies) return scene_.distantLight().radiance(sample.incoming);
+    const auto incident = scene_.distantLight().towards(sample.incoming, normal);
     return share(incident.density_per_sr) * incident.radiance;
   }
   const std::uint32_t triangle = scene_.emitterTriangle(hit.triangle);
@@ -131,7 +131,7 @@ Rgb PathTracer::exitRadiance(const ShadingPoint& point, const Vec3& outgoing, co
     ++rays;
     const transport::Hit hit = nextHit(vertex.point.origin, next.incoming);
     if (!hit.valid || scene_.isEmitter(hit.triangle))
-      return radiance + throughput * emittedTowards(next, hit);
+      return radiance + throughput * emittedTowards(vertex.point.normal, next, hit);
     if (vertex.depth == last_depth) return radiance;
 
     if (vertex.depth >= kBouncesBeforeRoulette) {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <vector>
 
+#include "tools/reference/coverage.h"
+
 namespace bakelight::reference {
 namespace {
 
@@ -15,6 +17,7 @@ using transport::StratifiedBatch;
 using transport::vec3;
 
 constexpr int kPixelDimension = 0;
+constexpr int kBackgroundBatches = 4;
 
 formats::Image emptyImage(const View& view) {
   return {view.width_px, view.height_px, {"R", "G", "B", "A", "variance.R", "variance.G", "variance.B"}};
@@ -41,12 +44,15 @@ class PixelTracer {
         view_(view),
         seed_(seed),
         eye_(view.camera.eye()),
-        pixels_(static_cast<std::size_t>(view.width_px) * view.height_px) {}
+        covered_(possiblyCovered(scene.rayMesh(), view.camera, view.width_px, view.height_px)),
+        pixels_(covered_.size()) {}
 
   std::size_t pixelCount() const { return pixels_.size(); }
 
   std::uint64_t trace(std::size_t pixel, int first_batch, int end_batch) {
     std::uint64_t rays = 0;
+    // The background alone needs no more than its box filter.
+    if (covered_[pixel] == 0) end_batch = std::min(end_batch, kBackgroundBatches);
     for (int batch = first_batch; batch < end_batch; ++batch)
       traceBatch(pixel, StratifiedBatch(seed_, pixel, static_cast<std::uint64_t>(batch)), rays);
     return rays;
@@ -93,8 +99,12 @@ class PixelTracer {
                                                     view_.height_px);
       bundle.set(s, float3(directions[s]));
     }
-    scene_.rays().nearestHits(float3(eye_), bundle, 0, kSize, hits);
-    rays += kSize;
+    if (covered_[index] != 0) {
+      scene_.rays().nearestHits(float3(eye_), bundle, 0, kSize, hits);
+      rays += kSize;
+    } else {
+      std::fill(hits.blocked.begin(), hits.blocked.end(), std::uint8_t{0});
+    }
 
     Pixel& pixel = pixels_[index];
     Rgb sum = Rgb::Zero();
@@ -123,6 +133,7 @@ class PixelTracer {
   const View& view_;
   std::uint64_t seed_;
   Vec3 eye_;
+  std::vector<std::uint8_t> covered_;
   std::vector<Pixel> pixels_;
 };
 

@@ -65,7 +65,8 @@ Scene::Scene(const formats::Pack& pack, const formats::LightRig& rig, const form
       material_(pack.transfer.material),
       distant_(rig, transport::worldFromLight(frame)),
       emitters_(emitters),
-      rays_(joined(mesh_, emitters.mesh)),
+      ray_mesh_(joined(mesh_, emitters.mesh)),
+      rays_(ray_mesh_),
       emitter_rays_(emitters.mesh),
       offset_(transport::surfaceOffset(mesh_, transport::kDefaultBias)) {}
 

@@ -32,6 +32,8 @@ class Scene {
         const transport::BoundingSphere& bounds);
 
   const formats::TriangleMesh& mesh() const { return mesh_; }  // in the world
+  // The same and the emitters after it: positions and triangles that rays meet.
+  const formats::TriangleMesh& rayMesh() const { return ray_mesh_; }
   const Material& material() const { return material_; }
   const transport::DistantLightSampler& distantLight() const { return distant_; }
   const EmitterSampler& emitters() const { return emitters_; }
@@ -66,6 +68,7 @@ class Scene {
   Material material_;
   transport::DistantLightSampler distant_;
   EmitterSampler emitters_;
+  formats::TriangleMesh ray_mesh_;
   transport::RayScene rays_, emitter_rays_;
   double offset_;  // of rays, off the surface
 };
