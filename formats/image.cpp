@@ -2,6 +2,7 @@
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
+#include <OpenImageIO/strutil.h>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -60,10 +61,12 @@ OIIO::ImageSpec specOf(const Image& image, const OIIO::TypeDesc& type) {
   return spec;
 }
 
-// Through memory, as a library that writes to disk itself would leave half a file behind on a full disk.
+// In memory, as a library that writes to disk itself would leave half a file behind on a full disk. `path` is
+// for messages.
 template <class Value>
-void writeThroughMemory(const std::filesystem::path& path, const char* format, const OIIO::ImageSpec& spec,
-                        const OIIO::TypeDesc& value_type, const std::vector<Value>& values) {
+std::vector<unsigned char> encoded(const std::filesystem::path& path, const char* format,
+                                   const OIIO::ImageSpec& spec, const OIIO::TypeDesc& value_type,
+                                   const std::vector<Value>& values) {
   std::vector<unsigned char> buffer;
   OIIO::Filesystem::IOVecOutput memory(buffer);
   const auto output = OIIO::ImageOutput::create(format);
@@ -76,7 +79,21 @@ void writeThroughMemory(const std::filesystem::path& path, const char* format, c
       !output->close()) {
     throw cannotWrite(path.string(), output->geterror());
   }
-  writeFileAtomically(path, std::as_bytes(std::span(buffer)));
+  return buffer;
+}
+
+std::vector<unsigned char> encodedPng(const std::filesystem::path& path, const Image& image) {
+  checkShape(image);
+  if (image.channelCount() > 4) throw std::logic_error("a PNG has 1 to 4 channels");
+  checkFinite(image, path.string());
+  OIIO::ImageSpec spec = specOf(image, OIIO::TypeDesc::UINT8);
+  spec["oiio:ColorSpace"] = "sRGB";
+  spec["oiio:UnassociatedAlpha"] = 1;
+  std::vector<std::uint8_t> codes(image.values.size());
+  std::transform(image.values.begin(), image.values.end(), codes.begin(), [](float value) {
+    return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0F, 1.0F) * 255.0F));
+  });
+  return encoded(path, "png", spec, OIIO::TypeDesc::UINT8, codes);
 }
 
 Error unreadable(const std::string& file, const std::string& reason) {
@@ -148,21 +165,18 @@ void writeExr(const std::filesystem::path& path, const Image& image, ExrPrecisio
   // OpenImageIO adds the date of today unless there is one already; a number it does not write at all.
   spec["DateTime"] = 0;
   for (const auto& [key, value] : metadata) spec.attribute(key, value);
-  writeThroughMemory(path, "exr", spec, OIIO::TypeDesc::FLOAT, image.values);
+  writeFileAtomically(path, std::as_bytes(std::span<const unsigned char>(
+                                encoded(path, "exr", spec, OIIO::TypeDesc::FLOAT, image.values))));
 }
 
 void writePng(const std::filesystem::path& path, const Image& image) {
-  checkShape(image);
-  if (image.channelCount() > 4) throw std::logic_error("a PNG has 1 to 4 channels");
-  checkFinite(image, path.string());
-  OIIO::ImageSpec spec = specOf(image, OIIO::TypeDesc::UINT8);
-  spec["oiio:ColorSpace"] = "sRGB";
-  spec["oiio:UnassociatedAlpha"] = 1;
-  std::vector<std::uint8_t> codes(image.values.size());
-  std::transform(image.values.begin(), image.values.end(), codes.begin(), [](float value) {
-    return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0F, 1.0F) * 255.0F));
-  });
-  writeThroughMemory(path, "png", spec, OIIO::TypeDesc::UINT8, codes);
+  writeFileAtomically(path, std::as_bytes(std::span<const unsigned char>(encodedPng(path, image))));
+}
+
+std::string pngDataUri(const Image& image) {
+  const std::vector<unsigned char> png = encodedPng("picture.png", image);
+  return "data:image/png;base64," +
+         OIIO::Strutil::base64_encode({reinterpret_cast<const char*>(png.data()), png.size()});
 }
 
 }  // namespace bakelight::formats

@@ -54,4 +54,7 @@ void writeExr(const std::filesystem::path& path, const Image& image,
 // 8-bit PNG; values are display-encoded (sRGB already applied), clamped to [0, 1]. 1 to 4 channels. Atomic.
 void writePng(const std::filesystem::path& path, const Image& image);
 
+// The same picture as a URI that carries it, for the pages of reports: "data:image/png;base64,…".
+std::string pngDataUri(const Image& image);
+
 }  // namespace bakelight::formats

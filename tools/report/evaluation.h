@@ -1,0 +1,92 @@
+// Error and run time of every variant of a plan.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/report/errors.h"
+#include "tools/report/pareto.h"
+#include "tools/report/plan.h"
+#include "tools/report/recently_used.h"
+#include "tools/report/renderer.h"
+#include "tools/report/sources.h"
+#include "tools/report/timing.h"
+#include "transport/flip.h"
+
+namespace bakelight::report {
+
+struct ErrorFigures {
+  double rel_rmse = 0, p99 = 0, flip = 0, coverage_error = 0;
+};
+
+struct CauseError {
+  std::string cause;
+  double rel_rmse = 0;
+};
+
+struct VariantFigures {
+  ErrorFigures errors;                     // over all views
+  std::vector<ErrorFigures> view_errors;   // a view
+  std::vector<CauseError> causes;          // a link of the chain
+  Spread light_change_ms, view_change_ms;  // on the CPU
+  std::uint64_t bytes = 0;
+  double bake_s = 0, bake_cpu_s = 0;
+  std::size_t vertices = 0;
+
+  double frame_ms() const { return light_change_ms.median + view_change_ms.median; }
+  // Of the cause "left_out", where the chain has it.
+  std::optional<double> leftOutError() const;
+};
+
+// Indices of variants, by rising cost.
+struct Fronts {
+  std::vector<std::size_t> frame_ms, bytes, bake_s;
+};
+
+struct Evaluation {
+  std::vector<double> noise;             // a view: standard error of the reference, relative to its rms
+  std::vector<VariantFigures> variants;  // as in the plan
+  Fronts fronts;
+};
+
+// Holds the references of the plan and makes pictures to compare with them. Plan and sources must outlive it.
+class Evaluator {
+ public:
+  // Reads the references. Throws Error(kBadInput) as referenceFrom does, and for a picture that does not say
+  // where its camera stood ("bakelight:eye", "bakelight:target", "bakelight:fov_deg").
+  Evaluator(const Plan& plan, const Sources& sources);
+
+  // Times are the medians of `rounds` ≥ 1. `advanced` is called after each variant's errors, and after each
+  // variant's times. Throws Error(kBadInput) naming the pack that shares no wholly covered pixel with a
+  // reference.
+  Evaluation evaluate(int rounds, const std::function<void()>& advanced);
+
+  using Pictures = std::vector<Reference>;  // a view
+  std::shared_ptr<const Pictures> picturesOf(const PlanFile& pack);
+  const Pictures& truth() const { return truth_; }
+  double exposure(std::size_t view) const { return exposures_[view]; }
+
+ private:
+  std::shared_ptr<const Pictures> picturesOf(const ChainLink& link);
+  void measureErrors(const PlanVariant& variant, VariantFigures& figures);
+  void measureCauses(const PlanVariant& variant, VariantFigures& figures);
+  double flip(const Picture& picture, std::size_t view, std::size_t& pixels) const;
+  void measureTimes(int rounds, std::vector<VariantFigures>& variants, const std::function<void()>& advanced);
+
+  const Plan& plan_;
+  const Sources& sources_;
+  Pictures truth_;
+  std::unique_ptr<Renderer> renderer_;
+  std::vector<double> exposures_;
+  std::vector<transport::FlipReference> flips_;
+  RecentlyUsed<Pictures> pictures_;
+};
+
+// Distances of all picture pairs over their views, in units of `truth`'s rms: root of the mean square.
+double relativeRmse(const Evaluator::Pictures& a, const Evaluator::Pictures& b,
+                    const Evaluator::Pictures& truth);
+
+}  // namespace bakelight::report

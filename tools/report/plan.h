@@ -1,0 +1,81 @@
+// What a report is made of: views with their references, and variants with their packs (docs/REPORT.md has
+// the keys). The driver writes it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/frame_settings.h"
+#include "formats/json.h"
+
+namespace bakelight::report {
+
+// Files of one hash have the same content.
+struct PlanFile {
+  std::filesystem::path path;
+  std::string hash;
+};
+
+struct PlanView {
+  std::string name, light, camera;
+  std::filesystem::path environment_path, lights_path;  // as formats::readLights; may be empty
+  double windowing = 0;
+  formats::FrameSettings frame;
+  PlanFile reference;
+};
+
+struct StageFigures {
+  std::string stage;
+  double wall_s = 0, cpu_s = 0;
+  std::uint64_t peak_memory_bytes = 0, bytes = 0;  // bytes: of its outputs
+  std::vector<std::string> warnings;
+};
+
+// What a measured figure made unnecessary.
+struct LeftOut {
+  std::string stage, what, figure;
+  double value = 0, threshold = 0;
+  std::optional<double> error;  // that was expected of it
+};
+
+// A step from the truth to the variant's pack that switches one cause of error on.
+struct ChainLink {
+  std::string cause;                 // "simplification", "sh_truncation", …: the recipe's word
+  std::vector<PlanFile> references;  // one a view; or none, and then
+  PlanFile pack;
+};
+
+// As the player measured them.
+struct GlTimes {
+  double light_change_ms = 0, frame_ms = 0;
+};
+
+struct PlanVariant {
+  std::string name;
+  formats::Json parameters;  // "stage.parameter": value
+  PlanFile pack;
+  std::vector<StageFigures> stages;
+  std::vector<LeftOut> left_out;
+  std::optional<GlTimes> gl;
+  std::vector<ChainLink> chain;
+};
+
+struct FailedVariant {
+  std::string name, stage, reason;
+};
+
+struct Plan {
+  std::string asset;
+  std::vector<PlanView> views;        // at least one
+  std::vector<PlanVariant> variants;  // at least one; no two of one name
+  std::vector<FailedVariant> failed;
+};
+
+// Throws Error(kBadInput) naming `file` and JSON pointer. Files are not opened.
+Plan planFromJson(const formats::Json& json, const std::string& file);
+
+}  // namespace bakelight::report

@@ -1,0 +1,80 @@
+#include "tools/report/renderer.h"
+
+#include "formats/mesh_ply.h"
+#include "transport/frame.h"
+#include "transport/near_light.h"
+#include "transport/sh.h"
+
+namespace bakelight::report {
+
+using transport::Vec3;
+
+Renderer::Renderer(const Plan& plan, std::vector<transport::OrbitCamera> cameras, const Sources& sources)
+    : plan_(plan), cameras_(std::move(cameras)), sources_(sources) {}
+
+Renderer::Conditions Renderer::conditions(const formats::Pack& pack, std::size_t view) {
+  const formats::FrameSettings& frame = plan_.views[view].frame;
+  const transport::Lighting& light = lighting(view, pack.transfer.order);
+  const Eigen::Matrix3d world_from_object = transport::worldFromObject(frame);
+  const transport::OrbitCamera& camera = cameras_[view];
+  return {light.distant, world_from_object.transpose() * transport::worldFromLight(frame),
+          transport::nearLight(pack, light, frame.time_s, world_from_object),
+          world_from_object.transpose() * (camera.eye() - camera.target) + camera.target};
+}
+
+std::vector<Picture> Renderer::picturesOf(const formats::Pack& pack) {
+  transport::PackEvaluator evaluator(pack);
+  const transport::BoundingSphere bounds = transport::boundingSphere(pack.mesh);
+  std::vector<Picture> pictures;
+  for (std::size_t view = 0; view < plan_.views.size(); ++view) {
+    const Conditions conditions = this->conditions(pack, view);
+    const transport::ShRotation rotation(pack.transfer.order, conditions.object_from_light);
+    evaluator.setLight(rotation.apply(conditions.distant), conditions.near);
+    const transport::EmitterMesh emitters = transport::emitterMesh(lighting(view, pack.transfer.order).near,
+                                                                   bounds, plan_.views[view].frame.time_s);
+    pictures.push_back(pictureOf(gbuffer(pack, view, emitters), evaluator.radianceTowards(conditions.eye),
+                                 emitters.radiance));
+  }
+  return pictures;
+}
+
+double Renderer::exposure(const formats::Pack& pack, std::size_t view) {
+  const transport::Lighting& light = lighting(view, pack.transfer.order);
+  const transport::ShLight near = transport::nearLight(pack, light, 0, Eigen::Matrix3d::Identity());
+  return transport::exposureFactor(plan_.views[view].frame,
+                                   near.empty() ? light.distant : transport::sum(light.distant, near));
+}
+
+const transport::Lighting& Renderer::lighting(std::size_t view, int order) {
+  const auto known = lightings_.find({view, order});
+  if (known != lightings_.end()) return known->second;
+  const PlanView& plan = plan_.views[view];
+  // Cameras share the lights of other views.
+  for (std::size_t other = 0; other < plan_.views.size(); ++other) {
+    const PlanView& candidate = plan_.views[other];
+    const auto same = lightings_.find({other, order});
+    if (same != lightings_.end() && candidate.environment_path == plan.environment_path &&
+        candidate.lights_path == plan.lights_path && candidate.windowing == plan.windowing)
+      return lightings_.emplace(std::pair(view, order), same->second).first->second;
+  }
+  transport::Lighting light =
+      transport::lightingFor(sources_.lights(plan.environment_path, plan.lights_path, plan.windowing), order,
+                             plan.lights_path.string());
+  light.backdrop = {};  // not seen
+  return lightings_.emplace(std::pair(view, order), std::move(light)).first->second;
+}
+
+const GBuffer& Renderer::gbuffer(const formats::Pack& pack, std::size_t view,
+                                 const transport::EmitterMesh& emitters) {
+  const std::pair key(formats::geometryHash(pack.mesh), view);
+  const auto known = gbuffers_.find(key);
+  if (known != gbuffers_.end()) return known->second;
+  const formats::FrameSettings& frame = plan_.views[view].frame;
+  const transport::PictureGrid grid{frame.width_px, frame.height_px, frame.supersampling};
+  return gbuffers_
+      .emplace(key,
+               traceGBuffer(pack.mesh, emitters, transport::worldFromObject(frame), cameras_[view], grid))
+      .first->second;
+}
+
+}  // namespace bakelight::report

@@ -1,0 +1,50 @@
+// Pictures of packs in the views of a plan, as the player shows them, on the CPU.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/pack_contents.h"
+#include "tools/report/gbuffer.h"
+#include "tools/report/plan.h"
+#include "tools/report/sources.h"
+#include "transport/lighting.h"
+#include "transport/pack_evaluator.h"
+
+namespace bakelight::report {
+
+class Renderer {
+ public:
+  // `cameras` has one entry a view. Plan and sources must outlive the renderer.
+  Renderer(const Plan& plan, std::vector<transport::OrbitCamera> cameras, const Sources& sources);
+
+  // What a PackEvaluator needs for a view.
+  struct Conditions {
+    transport::ShLight distant;         // as the light stands, of the pack's order
+    Eigen::Matrix3d object_from_light;  // turns it into the object's frame
+    transport::ShLight near;            // in the object's frame; empty without emitters
+    transport::Vec3 eye;                // in the object's space
+  };
+  Conditions conditions(const formats::Pack& pack, std::size_t view);
+
+  // One picture a view. Meshes and lights that were seen before are not traced or projected again.
+  std::vector<Picture> picturesOf(const formats::Pack& pack);
+
+  // The player's factor on radiance in that view (transport::exposureFactor).
+  double exposure(const formats::Pack& pack, std::size_t view);
+
+ private:
+  const transport::Lighting& lighting(std::size_t view, int order);
+  const GBuffer& gbuffer(const formats::Pack& pack, std::size_t view, const transport::EmitterMesh& emitters);
+
+  const Plan& plan_;
+  std::vector<transport::OrbitCamera> cameras_;
+  const Sources& sources_;
+  std::map<std::pair<std::size_t, int>, transport::Lighting> lightings_;  // by view and order
+  std::map<std::pair<std::string, std::size_t>, GBuffer> gbuffers_;       // by mesh and view
+};
+
+}  // namespace bakelight::report

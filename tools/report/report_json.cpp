@@ -1,0 +1,121 @@
+#include "tools/report/report_json.h"
+
+#include <nlohmann/json.hpp>
+
+namespace bakelight::report {
+namespace {
+
+using formats::Json;
+
+Json jsonOf(const Spread& spread) {
+  return {{"median", spread.median}, {"low", spread.low}, {"high", spread.high}};
+}
+
+Json jsonOf(const ErrorFigures& errors) {
+  return {{"rel_rmse", errors.rel_rmse},
+          {"p99", errors.p99},
+          {"flip", errors.flip},
+          {"coverage_error", errors.coverage_error}};
+}
+
+Json jsonOf(const StageFigures& stage) {
+  return {{"stage", stage.stage}, {"wall_s", stage.wall_s},
+          {"cpu_s", stage.cpu_s}, {"peak_memory_bytes", stage.peak_memory_bytes},
+          {"bytes", stage.bytes}, {"warnings", stage.warnings}};
+}
+
+Json jsonOf(const LeftOut& left_out, const VariantFigures& figures) {
+  Json json = {{"stage", left_out.stage},
+               {"what", left_out.what},
+               {"figure", left_out.figure},
+               {"value", left_out.value},
+               {"threshold", left_out.threshold}};
+  json["error"] = left_out.error ? Json(*left_out.error) : Json();
+  if (const auto measured = figures.leftOutError()) json["measured_error"] = *measured;
+  return json;
+}
+
+Json glOf(const PlanVariant& variant) {
+  if (!variant.gl) return nullptr;
+  return {{"light_change_ms", variant.gl->light_change_ms}, {"frame_ms", variant.gl->frame_ms}};
+}
+
+Json variantOf(const Plan& plan, const PlanVariant& variant, const VariantFigures& figures) {
+  Json json = jsonOf(figures.errors);
+  json["name"] = variant.name;
+  json["parameters"] = variant.parameters;
+  json["bake_s"] = figures.bake_s;
+  json["bake_cpu_s"] = figures.bake_cpu_s;
+  json["bytes"] = figures.bytes;
+  json["vertices"] = figures.vertices;
+  json["frame_ms"] = figures.frame_ms();
+  json["cpu"] = {{"light_change_ms", jsonOf(figures.light_change_ms)},
+                 {"view_change_ms", jsonOf(figures.view_change_ms)}};
+  json["gl"] = glOf(variant);
+  json["views"] = Json::array();
+  for (std::size_t view = 0; view < plan.views.size(); ++view) {
+    json["views"].push_back(jsonOf(figures.view_errors[view]));
+    json["views"].back()["name"] = plan.views[view].name;
+  }
+  json["causes"] = Json::array();
+  for (const CauseError& cause : figures.causes)
+    json["causes"].push_back({{"cause", cause.cause}, {"rel_rmse", cause.rel_rmse}});
+  json["stages"] = Json::array();
+  for (const StageFigures& stage : variant.stages) json["stages"].push_back(jsonOf(stage));
+  json["left_out"] = Json::array();
+  for (const LeftOut& left_out : variant.left_out) json["left_out"].push_back(jsonOf(left_out, figures));
+  return json;
+}
+
+// Each omission once, with the variants that have it.
+Json leftOutOfAll(const Json& variants) {
+  Json all = Json::array();
+  for (const Json& variant : variants)
+    for (const Json& left_out : variant.at("left_out")) {
+      Json* found = nullptr;
+      for (Json& known : all) {
+        Json without_names = known;
+        without_names.erase("variants");
+        if (without_names == left_out) found = &known;
+      }
+      if (!found) {
+        all.push_back(left_out);
+        found = &all.back();
+        (*found)["variants"] = Json::array();
+      }
+      (*found)["variants"].push_back(variant.at("name"));
+    }
+  return all;
+}
+
+Json namesOf(const std::vector<std::size_t>& front, const Plan& plan) {
+  Json names = Json::array();
+  for (const std::size_t variant : front) names.push_back(plan.variants[variant].name);
+  return names;
+}
+
+}  // namespace
+
+Json reportJson(const Plan& plan, const Evaluation& evaluation) {
+  Json json = {{"asset", plan.asset},
+               {"views", Json::array()},
+               {"variants", Json::array()},
+               {"failed", Json::array()}};
+  for (std::size_t view = 0; view < plan.views.size(); ++view)
+    json["views"].push_back({{"name", plan.views[view].name},
+                             {"light", plan.views[view].light},
+                             {"camera", plan.views[view].camera},
+                             {"noise", evaluation.noise[view]}});
+  for (std::size_t v = 0; v < plan.variants.size(); ++v)
+    json["variants"].push_back(variantOf(plan, plan.variants[v], evaluation.variants[v]));
+  json["left_out"] = leftOutOfAll(json["variants"]);
+  json["fronts"] = {{"frame_ms", namesOf(evaluation.fronts.frame_ms, plan)},
+                    {"bytes", namesOf(evaluation.fronts.bytes, plan)},
+                    {"bake_s", namesOf(evaluation.fronts.bake_s, plan)}};
+  json["pareto"] = json["fronts"]["frame_ms"];
+  for (const FailedVariant& failed : plan.failed)
+    json["failed"].push_back({{"name", failed.name}, {"stage", failed.stage}, {"reason", failed.reason}});
+  return json;
+}
+
+}  // namespace bakelight::report

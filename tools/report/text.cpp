@@ -1,0 +1,76 @@
+#include "tools/report/text.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace bakelight::report {
+namespace {
+
+std::string formatted(double value, std::chars_format format, int precision) {
+  std::array<char, 400> buffer;
+  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format, precision);
+  return {buffer.data(), result.ptr};
+}
+
+}  // namespace
+
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      case '\'':
+        result += "&#39;";
+        break;
+      default:
+        result += c;
+    }
+  return result;
+}
+
+std::string numberText(double value, int digits) {
+  if (value == 0 || !std::isfinite(value)) return value == 0 ? "0" : "–";
+  const double magnitude = std::abs(value);
+  if (magnitude < 1e-4 || magnitude >= 1e7)
+    return formatted(value, std::chars_format::scientific, digits - 1);
+  const int whole_digits = static_cast<int>(std::floor(std::log10(magnitude))) + 1;
+  return formatted(value, std::chars_format::fixed, std::max(digits - whole_digits, 0));
+}
+
+std::string percentText(double share) {
+  return numberText(100 * share) + " %";
+}
+
+std::string bytesText(std::uint64_t bytes) {
+  constexpr std::array<const char*, 5> kUnits = {"B", "kB", "MB", "GB", "TB"};
+  auto value = static_cast<double>(bytes);
+  std::size_t unit = 0;
+  for (; value >= 999.5 && unit + 1 < kUnits.size(); ++unit) value /= 1000;
+  return (unit == 0 ? std::to_string(bytes) : numberText(value)) + ' ' + kUnits[unit];
+}
+
+std::string coordinate(double value) {
+  std::string text = formatted(value, std::chars_format::fixed, 2);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text == "-0" ? "0" : text;
+}
+
+std::string valueText(const formats::Json& value) {
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+}  // namespace bakelight::report
