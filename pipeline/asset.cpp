@@ -103,7 +103,7 @@ class Finder {
   }
 
   void addMesh(const fs::path& mesh, const std::string& name) {
-    assets_.push_back({.name = name, .file = mesh.string(), .files = {{kMeshPort, mesh}}});
+    assets_.push_back({.name = name, .label = {}, .file = mesh.string(), .files = {{kMeshPort, mesh}}});
   }
 
   // Files for the other ports count if there is one candidate only; with two, the user has to say which.
@@ -119,7 +119,7 @@ class Finder {
   void readAssetFile(const fs::path& file) {
     const Json json = formats::parseJson(disk_.read(file), file.string());
     const JsonObject object(json, file.string());
-    Asset asset{.name = "", .file = file.string()};
+    Asset asset{.name = "", .label = {}, .file = file.string()};
     asset.recipe = object.text("recipe", RecipeBook::kDefault);
     const Recipe& recipe = recipes_.require(asset.recipe, object.placeOf("recipe"));
 

@@ -24,8 +24,9 @@ struct Setting {
 Setting parseSetting(const std::string& text);
 
 struct Asset {
-  std::string name;  // a file name: the folder in the output folder
-  std::string file;  // asset.json as the user would name it, or the mesh: for errors
+  std::string name;        // a file name: the folder in the output folder
+  std::string label = {};  // what {asset} stands for in recipes; empty: the name
+  std::string file;        // asset.json as the user would name it, or the mesh: for errors
   std::string recipe = RecipeBook::kDefault;
   std::map<std::string, std::filesystem::path> files = {};  // by asset port of the recipe; all exist
   formats::Json stages = formats::Json::object();  // overrides: stage → parameter → value, not checked yet

@@ -145,7 +145,8 @@ void Console::summarise(const BuildResult& result, const OutputFolder& out) {
   std::vector<std::string> delivered;
   for (TaskIndex task = 0; task < graph_.tasks.size(); ++task)
     for (const auto& [port, name] : graph_.tasks[task].deliverables)
-      if (result.outcomes[task].entry) delivered.push_back(out.pathOf(task, port).string());
+      if (result.outcomes[task].entry && graph_.tasks[task].published)
+        delivered.push_back(out.pathOf(task, port).string());
   for (std::size_t i = 0; i < std::min(delivered.size(), kMaxListed); ++i) line("  " + delivered[i]);
   if (delivered.size() > kMaxListed) line("  and " + std::to_string(delivered.size() - kMaxListed) + " more");
 }

@@ -116,6 +116,8 @@ class AssetStages {
     graph_.tasks.push_back(std::move(task));
   }
 
+  const std::string& label() const { return asset_.label.empty() ? asset_.name : asset_.label; }
+
   void wire(const RecipeStage& stage, Task& task) {
     for (const auto& [port, wire] : stage.inputs) {
       const auto file = asset_.files.find(wire.port);
@@ -125,7 +127,7 @@ class AssetStages {
         task.inputs[port] = {.maker = std::nullopt, .port = wire.port, .file = file->second};
     }
     for (const auto& [port, file] : stage.outputs)
-      task.outputs[port] = expand(file, asset_.name, placeOf(stage, "outputs", port));
+      task.outputs[port] = expand(file, label(), placeOf(stage, "outputs", port));
     for (const std::string& name : delivered_)
       if (recipe_.deliverables.at(name).stage == stage.name)
         task.deliverables[recipe_.deliverables.at(name).port] = name;
@@ -241,7 +243,7 @@ class AssetStages {
     Json parameters = stage.parameters;
     for (auto& [name, value] : parameters.items())
       if (value.is_string())
-        value = expand(value.get<std::string>(), asset_.name, placeOf(stage, "parameters", name));
+        value = expand(value.get<std::string>(), label(), placeOf(stage, "parameters", name));
     return parameters;
   }
 

@@ -18,7 +18,7 @@ constexpr const char* kPageFile = "report.html";
 
 Graph reportGraph(const fs::path& plan, Toolbox& tools) {
   const formats::ToolDescription& tool = tools.require(kReportTool, {}).description;
-  Graph graph{.assets = {{.name = kReportTool, .file = plan.string()}}};
+  Graph graph{.assets = {{.name = kReportTool, .label = {}, .file = plan.string()}}};
   Task task{.stage = kReportTool, .tool = kReportTool};
   task.inputs["plan"] = {.port = "plan", .file = plan};
   task.outputs = {{"report", kReportFile}, {"page", kPageFile}};

@@ -151,6 +151,7 @@ class Planner {
   std::size_t want(const std::string& name, std::vector<Setting> settings, bool with_frame, bool keep_all) {
     Asset asset = base_;
     asset.name = name;
+    asset.label = base_.name;
     asset.settings = options_.settings;
     asset.settings.insert(asset.settings.end(), settings.begin(), settings.end());
     asset.keep_all = asset.keep_all || keep_all;
