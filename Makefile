@@ -41,6 +41,7 @@ play: pipeline ## Open the baked bunny in a window
 	@$(BUILD)/bin/player $(OUT)/bunny/bunny.glb --environment $(BUILD)/assets/probes/sunrise.exr
 
 test: build assets ## Build everything and run the tests
+	@scripts/system-packages browser
 	@ctest --test-dir $(BUILD) --output-on-failure --no-tests=error -j $$(nproc)
 
 test-asan: packages assets ## Unit tests under address and undefined-behaviour sanitizers (long)

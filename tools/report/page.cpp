@@ -1,6 +1,6 @@
 #include "tools/report/page.h"
 
-#include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "tools/report/page_style.h"
@@ -53,7 +53,7 @@ std::string titleOf(const PlanVariant& variant, const VariantFigures& figures) {
 std::string figure(const Plan& plan, const Evaluation& evaluation, const Varied& varied, Plot plot,
                    const Cost& cost) {
   plot.error_label = "error: relative RMSE, %";
-  plot.error_text = [](double error) { return numberText(100 * error, 2); };
+  plot.error_text = [](double error) { return tickText(100 * error); };
   for (std::size_t v = 0; v < plan.variants.size(); ++v) {
     const VariantFigures& figures = evaluation.variants[v];
     const Spread spread = cost(figures);
@@ -94,14 +94,12 @@ Spread exactly(double value) {
 }
 
 std::string plots(const Plan& plan, const Evaluation& evaluation, const Varied& varied) {
-  const auto number = [](double value) { return numberText(value, 2); };
-  const auto bytes = [](double value) { return bytesText(static_cast<std::uint64_t>(value)); };
   std::string html = "<h2>Error against cost</h2>\n" + legend(varied) + "<div class=\"plots\">\n";
   html += figure(plan, evaluation, varied,
                  {"Run time",
                   "ms a frame on the CPU: light change + view change",
                   "",
-                  number,
+                  tickText,
                   {},
                   {},
                   evaluation.fronts.frame_ms},
@@ -110,12 +108,17 @@ std::string plots(const Plan& plan, const Evaluation& evaluation, const Varied& 
                                  v.light_change_ms.high + v.view_change_ms.high};
                  });
   html += figure(plan, evaluation, varied,
-                 {"Size", "size of the pack", "", bytes, {}, {}, evaluation.fronts.bytes},
+                 {"Size", "size of the pack", "", bytesTickText, {}, {}, evaluation.fronts.bytes},
                  [](const VariantFigures& v) { return exactly(static_cast<double>(v.bytes)); });
-  html += figure(
-      plan, evaluation, varied,
-      {"Bake time", "bake, s: all stages that the pack needs", "", number, {}, {}, evaluation.fronts.bake_s},
-      [](const VariantFigures& v) { return exactly(v.bake_s); });
+  html += figure(plan, evaluation, varied,
+                 {"Bake time",
+                  "bake, s: all stages that the pack needs",
+                  "",
+                  tickText,
+                  {},
+                  {},
+                  evaluation.fronts.bake_s},
+                 [](const VariantFigures& v) { return exactly(v.bake_s); });
   return html + "</div>\n";
 }
 
@@ -126,18 +129,29 @@ std::string image(const std::string& uri, const Thumbnails::View& view, const st
          std::to_string(view.height_px) + "\" alt=\"" + escaped(alternative) + "\">";
 }
 
+// The colours' legend, an SVG.
 std::string differenceScale(double end) {
-  std::string colors;
-  constexpr int kStops = 8;
-  for (int stop = 0; stop <= kStops; ++stop) {
-    const auto color = differenceColor(static_cast<double>(stop) / kStops);
-    colors += (stop > 0 ? ", rgb(" : "rgb(") + std::to_string(static_cast<int>(255 * color[0])) + ' ' +
-              std::to_string(static_cast<int>(255 * color[1])) + ' ' +
-              std::to_string(static_cast<int>(255 * color[2])) + ')';
+  constexpr int kStops = 32, kTicks = 4;
+  constexpr double kWidth = 240, kMargin = 18;
+  std::string svg = "<svg class=\"scale\" viewBox=\"0 0 " + coordinate(kWidth + 2 * kMargin) +
+                    " 30\" role=\"img\" aria-label=\"colours of differences\">";
+  for (int stop = 0; stop < kStops; ++stop) {
+    const auto color = differenceColor((stop + 0.5) / kStops);
+    std::string channels;
+    for (const float channel : color)
+      channels += (channels.empty() ? "" : " ") + std::to_string(std::lround(255 * channel));
+    svg += "<rect x=\"" + coordinate(kMargin + kWidth * stop / kStops) + "\" y=\"2\" width=\"" +
+           coordinate(kWidth / kStops + 0.3) + "\" height=\"11\" fill=\"rgb(" + channels + ")\"/>";
   }
-  return "<div class=\"scale\"><span>difference 0</span><span class=\"colors\" "
-         "style=\"background:linear-gradient(to right, " +
-         colors + ")\"></span><span>" + percentText(end) + " of the reference’s rms, or more</span></div>\n";
+  for (int tick = 0; tick <= kTicks; ++tick) {
+    const double position = static_cast<double>(tick) / kTicks;
+    svg += "<text class=\"tick\" text-anchor=\"middle\" x=\"" + coordinate(kMargin + kWidth * position) +
+           "\" y=\"26\">" + (tick == kTicks ? "≥ " : "") + tickText(100 * end * differenceAt(position)) +
+           "</text>";
+  }
+  return "<p class=\"soft\">Below each picture: its difference from the reference, in % of the reference’s "
+         "rms.</p>\n" +
+         svg + "</svg>\n";
 }
 
 std::string pictures(const Plan& plan, const Evaluation& evaluation, const Thumbnails& thumbnails) {
@@ -146,8 +160,9 @@ std::string pictures(const Plan& plan, const Evaluation& evaluation, const Thumb
   for (std::size_t v = 0; v < plan.views.size(); ++v) {
     const Thumbnails::View& view = thumbnails.views[v];
     const std::string& name = plan.views[v].name;
-    html += "<div class=\"view\"><h3>" + escaped(name) + "</h3><div class=\"pictures\">\n<figure>" +
-            image(view.reference, view, "reference, " + name) +
+    html += "<div class=\"view\"><h3>" + escaped(name) +
+            "</h3><div class=\"pictures\" style=\"--n:" + std::to_string(1 + thumbnails.shown.size()) +
+            "\">\n<figure>" + image(view.reference, view, "reference, " + name) +
             "<figcaption><span class=\"name\">reference</span>path-traced, standard error " +
             percentText(evaluation.noise[v]) + "</figcaption></figure>\n";
     for (std::size_t i = 0; i < thumbnails.shown.size(); ++i) {
@@ -157,7 +172,7 @@ std::string pictures(const Plan& plan, const Evaluation& evaluation, const Thumb
       html += "<figure>" + image(view.pictures[i], view, variant_name + ", " + name) +
               image(view.differences[i], view, "difference of " + variant_name + " from the reference") +
               "<figcaption><span class=\"name\">" + escaped(variant_name) + "</span>" +
-              escaped(thumbnails.shown[i].role) + "; error " + percentText(errors.rel_rmse) + ", ꟻLIP " +
+              escaped(thumbnails.shown[i].role) + "; error " + percentText(errors.rel_rmse) + ", FLIP " +
               numberText(errors.flip) + "</figcaption></figure>\n";
     }
     html += "</div></div>\n";

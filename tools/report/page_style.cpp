@@ -51,22 +51,30 @@ th { font-weight: 600; vertical-align: bottom; }
 thead th .unit { display: block; font-weight: 400; color: var(--soft); }
 th:first-child, td:first-child, .text { text-align: left; }
 td.wrap { white-space: normal; min-width: 15em; }
-td.least { font-weight: 700; } td.least::after { content: " ▾"; color: var(--c2); }
-td:not(.least).mark::after { content: " ▾"; visibility: hidden; }
-.range { display: block; font-size: 11px; color: var(--soft); }
+td.least { font-weight: 700; }
+.mark { display: inline-block; width: 11px; padding-left: 2px; color: var(--c2); text-align: left; }
+.range { display: block; font-size: 11px; font-weight: 400; color: var(--soft); padding-right: 11px; }
 .bars td { min-width: 108px; position: relative; }
 .bars td:first-child { min-width: 0; }
 .bar { display: block; height: 7px; background: var(--bar); border-radius: 2px; margin-top: 1px; min-width: 1px; }
 .views { display: grid; gap: 8px; }
-.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(148px, 46%), 1fr)); gap: 10px; }
+.pictures { display: grid; grid-template-columns: repeat(var(--n), minmax(0, 1fr)); gap: 12px; max-width: calc(var(--n) * 290px); }
 .pictures figure { margin: 0; min-width: 0; }
 .pictures img { display: block; width: 100%; height: auto; max-width: 320px; background: var(--panel); border-radius: 4px; margin-bottom: 4px; }
 .pictures figcaption { font-size: 12px; line-height: 1.35; }
 .pictures .name { color: var(--ink); font-weight: 600; display: block; }
-.scale { display: flex; align-items: center; gap: 8px; font-size: 12px; color: var(--soft); }
-.scale span.colors { flex: 0 1 220px; height: 10px; border-radius: 2px; }
+svg.scale { display: block; width: 100%; max-width: 330px; height: auto; }
 dl.terms dt { font-weight: 600; margin-top: 10px; } dl.terms dd { margin: 0; max-width: 74ch; }
 code { font-family: ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace; font-size: .92em; }
+@media (max-width: 700px) {
+  h1 { font-size: 22px; }
+  .pictures { grid-template-columns: repeat(2, minmax(0, 1fr)); }
+  table { font-size: 12px; }
+  th:first-child, td:first-child { position: sticky; left: 0; background: var(--paper); white-space: normal;
+    min-width: 142px; max-width: 152px; overflow-wrap: anywhere; }
+  td:first-child { font-size: 11.5px; }
+  td.wrap { min-width: 11em; }
+}
 @media print {
   @page { margin: 14mm; }
   :root { --bar: #a9bccd; --panel: #f2f2f2; }
@@ -74,8 +82,10 @@ code { font-family: ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace
   h1 { font-size: 20px; margin-top: 0; } h2 { font-size: 14px; margin-top: 18px; } h3 { font-size: 11.5px; }
   h2, h3 { break-after: avoid; }
   .card, .plots figure, .pictures figure, .view, tr { break-inside: avoid; }
-  .plots { grid-template-columns: repeat(2, 1fr); }
-  .pictures { grid-template-columns: repeat(5, 1fr); }
+  .plots { grid-template-columns: repeat(2, 1fr); gap: 4px 16px; } svg.plot { max-width: 80mm; }
+  .plots figcaption, .legend { font-size: 10.5px; } .pictures figcaption, .card dl { font-size: 8.5px; }
+  .cards { grid-template-columns: repeat(auto-fit, minmax(120px, 1fr)); } .card { padding: 5px 9px; } .card .role { font-size: 8px; } .range { font-size: 7px; padding-right: 6px; } .mark { width: 6px; padding-left: 1px; }
+  .pictures { grid-template-columns: repeat(var(--n), minmax(0, 1fr)); max-width: calc(var(--n) * 36mm); }
   .scroll { overflow: visible; }
   table { font-size: 8px; } th, td { padding-right: 5px; white-space: normal; } thead { display: table-header-group; }
   .bars td { min-width: 0; }

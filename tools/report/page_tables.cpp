@@ -44,62 +44,80 @@ std::string range(double low, double high) {
 
 struct Column {
   Heading heading;
-  std::function<std::optional<double>(std::size_t)> value;  // what the least of is marked
-  std::function<std::string(std::size_t)> text;
+  std::function<std::optional<double>(std::size_t)> value;  // of a variant
+  std::string (*text)(double);
+  std::function<std::string(std::size_t)> detail = [](std::size_t) { return std::string(); };
 };
 
+std::string hundredfoldText(double value) {
+  return numberText(100 * value);
+}
+std::string plainText(double value) {
+  return numberText(value);
+}
+std::string sizeText(double bytes) {
+  return bytesText(static_cast<std::uint64_t>(bytes));
+}
+
 std::vector<Column> variantColumns(const Plan& plan, const Evaluation& evaluation) {
-  const auto figures = [&](std::size_t v) -> const VariantFigures& { return evaluation.variants[v]; };
-  std::vector<Column> columns;
-  const auto error = [&](const char* name, const char* unit, double ErrorFigures::*member,
-                         std::string (*text)(double)) {
-    columns.push_back({{name, unit},
-                       [=](std::size_t v) { return figures(v).errors.*member; },
-                       [=](std::size_t v) { return text(figures(v).errors.*member); }});
+  const std::vector<VariantFigures>& figures = evaluation.variants;
+  const auto error = [&figures](double ErrorFigures::*member) {
+    return [&figures, member](std::size_t v) { return figures[v].errors.*member; };
   };
-  const auto hundredfold = [](double value) { return numberText(100 * value); };
-  const auto plain = [](double value) { return numberText(value); };
-  error("error", "rel. RMSE, %", &ErrorFigures::rel_rmse, hundredfold);
-  error("p99", "%", &ErrorFigures::p99, hundredfold);
-  error("ꟻLIP", "mean", &ErrorFigures::flip, plain);
-  error("coverage", "error, %", &ErrorFigures::coverage_error, hundredfold);
+  std::vector<Column> columns = {
+      {{"error", "rel. RMSE, %"}, error(&ErrorFigures::rel_rmse), hundredfoldText},
+      {{"p99", "%"}, error(&ErrorFigures::p99), hundredfoldText},
+      {{"FLIP", "mean"}, error(&ErrorFigures::flip), plainText},
+      {{"coverage", "error, %"}, error(&ErrorFigures::coverage_error), hundredfoldText},
+      {{"frame", "CPU, ms"}, [&](std::size_t v) { return figures[v].frame_ms(); }, plainText}};
   const auto time = [&](const char* name, Spread VariantFigures::*member) {
     columns.push_back({{name, "CPU, ms"},
-                       [=](std::size_t v) { return (figures(v).*member).median; },
-                       [=](std::size_t v) {
-                         const Spread& spread = figures(v).*member;
-                         return numberText(spread.median) + range(spread.low, spread.high);
+                       [&figures, member](std::size_t v) { return (figures[v].*member).median; },
+                       plainText,
+                       [&figures, member](std::size_t v) {
+                         return range((figures[v].*member).low, (figures[v].*member).high);
                        }});
   };
-  columns.push_back({{"frame", "CPU, ms"},
-                     [=](std::size_t v) { return figures(v).frame_ms(); },
-                     [=](std::size_t v) { return numberText(figures(v).frame_ms()); }});
   time("light change", &VariantFigures::light_change_ms);
   time("view change", &VariantFigures::view_change_ms);
   const auto gl = [&](const char* name, double GlTimes::*member) {
-    const auto value = [&plan, member](std::size_t v) {
-      const auto& times = plan.variants[v].gl;
-      return times ? std::optional<double>((*times).*member) : std::nullopt;
-    };
-    columns.push_back(
-        {{name, "OpenGL, ms"}, value, [=](std::size_t v) { return value(v) ? numberText(*value(v)) : "–"; }});
+    columns.push_back({{name, "OpenGL, ms"},
+                       [&plan, member](std::size_t v) {
+                         const auto& times = plan.variants[v].gl;
+                         return times ? std::optional<double>((*times).*member) : std::nullopt;
+                       },
+                       plainText});
   };
-  const bool has_gl =
-      std::any_of(plan.variants.begin(), plan.variants.end(), [](const auto& v) { return v.gl.has_value(); });
-  if (has_gl) {
+  if (std::any_of(plan.variants.begin(), plan.variants.end(),
+                  [](const auto& v) { return v.gl.has_value(); })) {
     gl("light change", &GlTimes::light_change_ms);
     gl("frame", &GlTimes::frame_ms);
   }
-  columns.push_back({{"pack", "size"},
-                     [=](std::size_t v) { return static_cast<double>(figures(v).bytes); },
-                     [=](std::size_t v) { return bytesText(figures(v).bytes); }});
-  columns.push_back({{"bake", "s"},
-                     [=](std::size_t v) { return figures(v).bake_s; },
-                     [=](std::size_t v) { return numberText(figures(v).bake_s); }});
-  columns.push_back({{"bake", "CPU s"},
-                     [=](std::size_t v) { return figures(v).bake_cpu_s; },
-                     [=](std::size_t v) { return numberText(figures(v).bake_cpu_s); }});
+  columns.push_back(
+      {{"pack", "size"}, [&](std::size_t v) { return static_cast<double>(figures[v].bytes); }, sizeText});
+  columns.push_back({{"bake", "s"}, [&](std::size_t v) { return figures[v].bake_s; }, plainText});
+  columns.push_back({{"bake", "CPU s"}, [&](std::size_t v) { return figures[v].bake_cpu_s; }, plainText});
   return columns;
+}
+
+// Nothing for a column that says the same of all.
+std::optional<double> leastOf(const Column& column, std::size_t variants) {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (std::size_t v = 0; v < variants; ++v)
+    if (const std::optional<double> value = column.value(v)) {
+      least = std::min(least, *value);
+      most = std::max(most, *value);
+    }
+  return least < most ? std::optional(least) : std::nullopt;
+}
+
+std::string variantCell(const Column& column, std::size_t variant, const std::optional<double>& least) {
+  const std::optional<double> value = column.value(variant);
+  if (!value) return cell("–");
+  const bool is_least = value == least;
+  return cell(column.text(*value) + "<span class=\"mark\">" + (is_least ? "▾" : "") + "</span>" +
+                  column.detail(variant),
+              is_least ? "least" : "");
 }
 
 bool contains(const std::vector<std::size_t>& front, std::size_t variant) {
@@ -192,22 +210,19 @@ std::string causesTable(const Plan& plan, const Evaluation& evaluation) {
 std::string variantsTable(const Plan& plan, const Evaluation& evaluation) {
   const std::vector<Column> columns = variantColumns(plan, evaluation);
   std::vector<Heading> headings = {{"variant", "", true}};
-  std::vector<double> least;
+  std::vector<std::optional<double>> least;
   for (const Column& column : columns) {
     headings.push_back(column.heading);
-    least.push_back(std::numeric_limits<double>::infinity());
-    for (std::size_t v = 0; v < plan.variants.size(); ++v)
-      least.back() = std::min(least.back(), column.value(v).value_or(least.back()));
+    least.push_back(leastOf(column, plan.variants.size()));
   }
   headings.push_back({"on the front of", "", true});
   std::string html =
-      "<h2>All variants</h2>\n<p class=\"soft\">▾ marks the least of a column. Times: median, quartiles "
-      "below.</p>\n" +
+      "<h2>All variants</h2>\n<p class=\"soft\">▾ marks the least of a column. Times: median, with its "
+      "quartiles below.</p>\n" +
       tableBegin(headings);
   for (std::size_t v = 0; v < plan.variants.size(); ++v) {
     html += "<tr>" + cell(escaped(plan.variants[v].name));
-    for (std::size_t c = 0; c < columns.size(); ++c)
-      html += cell(columns[c].text(v), columns[c].value(v) == least[c] ? "least" : "mark");
+    for (std::size_t c = 0; c < columns.size(); ++c) html += variantCell(columns[c], v, least[c]);
     html += cell(frontsOf(evaluation.fronts, v), "text") + "</tr>\n";
   }
   return html + kTableEnd;
@@ -300,7 +315,7 @@ std::string definitions(const Plan& plan, const Evaluation& evaluation) {
 <dt>error (relative RMSE)</dt><dd>√(mean |Δ|² − mean variance of the reference) ÷ √(mean |reference|²), over the red, green and blue linear radiance of
 pixels that both pictures cover wholly. The noise of the path-traced reference is subtracted, as it would count as error. Over several views: root of the mean square.</dd>
 <dt>p99</dt><dd>99th percentile over pixels of |Δ| (rms over colours) ÷ rms of the view’s reference, pooled over views. Noise is not subtracted.</dd>
-<dt>ꟻLIP</dt><dd>How different two pictures look to someone who flips between them, 0 to 1 (Andersson et al. 2020), on display-encoded pictures at the player’s exposure, 67 pixels a
+<dt>FLIP</dt><dd>How different two pictures look to someone who flips between them, 0 to 1 (Andersson et al. 2020), on display-encoded pictures at the player’s exposure, 67 pixels a
 degree; mean over pixels where either picture shows something.</dd>
 <dt>coverage error</dt><dd>mean |Δ alpha| ÷ mean alpha of the reference: what the silhouette costs. Mean over views.</dd>
 <dt>frame, CPU</dt><dd>Light change + view change, all vertices, on all threads; medians over rounds that go through all variants in turn. Light change: turning the light, diffuse

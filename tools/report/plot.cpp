@@ -69,9 +69,7 @@ const std::vector<Placement>& placements() {
 class PlotWriter {
  public:
   explicit PlotWriter(const Plot& plot)
-      : plot_(plot),
-        costs_(valuesOf(&PlotPoint::cost_low, &PlotPoint::cost_high), 6),
-        errors_(valuesOf(&PlotPoint::error, &PlotPoint::error), 7) {
+      : plot_(plot), costs_(valuesOf(&PlotPoint::cost), 6), errors_(valuesOf(&PlotPoint::error), 7) {
     for (const PlotPoint& point : plot.points) positions_.push_back(positionOf(point.cost, point.error));
   }
 
@@ -82,12 +80,10 @@ class PlotWriter {
   }
 
  private:
-  std::vector<double> valuesOf(double PlotPoint::*low, double PlotPoint::*high) const {
+  // Whiskers may leave the plot: a disturbed measurement should not squeeze the points.
+  std::vector<double> valuesOf(double PlotPoint::*member) const {
     std::vector<double> values;
-    for (const PlotPoint& point : plot_.points) {
-      values.push_back(point.*low);
-      values.push_back(point.*high);
-    }
+    for (const PlotPoint& point : plot_.points) values.push_back(point.*member);
     return values;
   }
 

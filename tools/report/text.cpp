@@ -15,6 +15,20 @@ std::string formatted(double value, std::chars_format format, int precision) {
   return {buffer.data(), result.ptr};
 }
 
+std::string withoutTrailingZeros(std::string text) {
+  if (text.find('.') == std::string::npos || text.find('e') != std::string::npos) return text;
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
+std::pair<double, const char*> scaledBytes(double bytes) {
+  constexpr std::array<const char*, 5> kUnits = {"B", "kB", "MB", "GB", "TB"};
+  std::size_t unit = 0;
+  for (; bytes >= 999.5 && unit + 1 < kUnits.size(); ++unit) bytes /= 1000;
+  return {bytes, kUnits[unit]};
+}
+
 }  // namespace
 
 std::string escaped(std::string_view text) {
@@ -50,22 +64,26 @@ std::string numberText(double value, int digits) {
   return formatted(value, std::chars_format::fixed, std::max(digits - whole_digits, 0));
 }
 
+std::string tickText(double value) {
+  return withoutTrailingZeros(numberText(value, 2));
+}
+
 std::string percentText(double share) {
   return numberText(100 * share) + " %";
 }
 
 std::string bytesText(std::uint64_t bytes) {
-  constexpr std::array<const char*, 5> kUnits = {"B", "kB", "MB", "GB", "TB"};
-  auto value = static_cast<double>(bytes);
-  std::size_t unit = 0;
-  for (; value >= 999.5 && unit + 1 < kUnits.size(); ++unit) value /= 1000;
-  return (unit == 0 ? std::to_string(bytes) : numberText(value)) + ' ' + kUnits[unit];
+  const auto [value, unit] = scaledBytes(static_cast<double>(bytes));
+  return (bytes < 1000 ? std::to_string(bytes) : numberText(value)) + ' ' + unit;
+}
+
+std::string bytesTickText(double bytes) {
+  const auto [value, unit] = scaledBytes(bytes);
+  return tickText(value) + ' ' + unit;
 }
 
 std::string coordinate(double value) {
-  std::string text = formatted(value, std::chars_format::fixed, 2);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
+  const std::string text = withoutTrailingZeros(formatted(value, std::chars_format::fixed, 2));
   return text == "-0" ? "0" : text;
 }
 

@@ -26,6 +26,10 @@ formats::Image reduced(const formats::Image& image) {
   return small;
 }
 
+double positionOf(double difference) {
+  return std::sqrt(difference);
+}
+
 double rmsOf(const Reference& reference) {
   return std::sqrt(viewErrors(reference, reference, reference.picture).squared_reference);
 }
@@ -38,7 +42,7 @@ std::string differenceUri(const Picture& picture, const Reference& reference, do
     double squared = 0;
     for (std::size_t c = 0; c < 3; ++c)
       squared += std::pow(static_cast<double>(a.values[i + c]) - b.values[i + c], 2);
-    const auto color = differenceColor(rms > 0 ? std::sqrt(squared / 3) / rms / end : 0);
+    const auto color = differenceColor(rms > 0 ? positionOf(std::sqrt(squared / 3) / rms / end) : 0);
     std::copy(color.begin(), color.end(), image.values.begin() + i);
     image.values[i + 3] = std::max(a.values[i + 3], b.values[i + 3]);
   }
@@ -107,7 +111,11 @@ Thumbnails makeThumbnails(const Plan& plan, const Evaluation& evaluation, Evalua
   return thumbnails;
 }
 
-std::array<float, 3> differenceColor(double share) {
+double differenceAt(double position) {
+  return position * position;
+}
+
+std::array<float, 3> differenceColor(double position) {
   constexpr std::array<std::array<float, 3>, 9> kColors = {{{255, 255, 204},
                                                             {255, 237, 160},
                                                             {254, 217, 118},
@@ -117,12 +125,12 @@ std::array<float, 3> differenceColor(double share) {
                                                             {227, 26, 28},
                                                             {189, 0, 38},
                                                             {128, 0, 38}}};
-  const double position = std::clamp(share, 0.0, 1.0) * (kColors.size() - 1);
-  const auto below = std::min(static_cast<std::size_t>(position), kColors.size() - 2);
+  const double place = std::clamp(position, 0.0, 1.0) * (kColors.size() - 1);
+  const auto below = std::min(static_cast<std::size_t>(place), kColors.size() - 2);
   std::array<float, 3> color;
   for (std::size_t c = 0; c < 3; ++c)
     color[c] = std::lerp(kColors[below][c], kColors[below + 1][c],
-                         static_cast<float>(position - static_cast<double>(below))) /
+                         static_cast<float>(place - static_cast<double>(below))) /
                255;
   return color;
 }

@@ -35,8 +35,11 @@ inline constexpr int kThumbnailWidth_px = 320;  // at most
 // transparent where neither picture shows anything.
 Thumbnails makeThumbnails(const Plan& plan, const Evaluation& evaluation, Evaluator& evaluator);
 
-// Lightness falls steadily from 0 (pale yellow) to 1 (dark red), so that it prints in grey: ColorBrewer's
-// YlOrRd. Display-encoded, 0–1.
-std::array<float, 3> differenceColor(double share);
+// Colours of differences: `position` 0 is pale yellow, 1 dark red, and lightness falls steadily between them,
+// so that it prints in grey (ColorBrewer's YlOrRd). Display-encoded, 0–1.
+std::array<float, 3> differenceColor(double position);
+// The difference that stands at a position, as a share of Thumbnails::difference_end: its square, as a good
+// variant's differences would not be seen beside a bad one's otherwise.
+double differenceAt(double position);
 
 }  // namespace bakelight::report
