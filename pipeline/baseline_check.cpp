@@ -97,7 +97,7 @@ class Checker {
         add(row, name, count == counts.end() ? "none" : std::to_string(count->second),
             expected == stored.counts.end() ? "none" : std::to_string(expected->second), false);
     }
-    if (equal > 0) add(row, std::to_string(equal) + " counts", "equal", "", true);
+    if (equal > 0) add(row, std::to_string(equal) + (equal == 1 ? " count" : " counts"), "equal", "", true);
   }
 
   void add(BaselineRow row, const std::string& figure, const std::string& measured, const std::string& limit,
