@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <thread>
 
 #include "formats/error.h"
+#include "pipeline/baseline_command.h"
 #include "pipeline/explain.h"
 #include "pipeline/graph.h"
 #include "pipeline/graph_export.h"
@@ -121,10 +123,9 @@ void tellFront(const formats::Json& report, const fs::path& folder) {
   std::cout << "  " << (folder / "report.html").string() << '\n';
 }
 
-}  // namespace
-
-int runCommand(const Request& request) {
-  if (request.dry_run) return dryRun(request);
+// Makes what the assets deliver, then `finish`, which returns the exit status.
+int runAssets(const Request& request,
+              const std::function<int(const Graph&, const BuildResult&, Workplace&)>& finish) {
   Workplace workplace(request);  // nothing is made in the output folder before all is found to be right
   std::vector<Asset> assets = checkedAssets(request, workplace);
   FolderLock lock(cacheFolder(request));
@@ -134,7 +135,29 @@ int runCommand(const Request& request) {
   const Graph graph = graphOf(request, workplace, std::move(assets));
   const BuildResult result = runGraph(workplace, graph, request.out, buildSettings(request));
   workplace.memo.save();
-  return result.exitStatus();
+  return finish(graph, result, workplace);
+}
+
+}  // namespace
+
+int runCommand(const Request& request) {
+  if (request.dry_run) return dryRun(request);
+  return runAssets(request,
+                   [](const Graph&, const BuildResult& result, Workplace&) { return result.exitStatus(); });
+}
+
+int saveBaselineCommand(const Request& request) {
+  return runAssets(request, [&](const Graph& graph, const BuildResult& result, Workplace& workplace) {
+    const int status = result.exitStatus();
+    return status != 0 ? status : saveBaselines(graph, result, request.baseline, workplace);
+  });
+}
+
+int checkBaselineCommand(const Request& request) {
+  return runAssets(request, [&](const Graph& graph, const BuildResult& result, Workplace& workplace) {
+    const int status = result.exitStatus();
+    return status != 0 ? status : checkBaselines(graph, result, request.baseline, request, workplace);
+  });
 }
 
 int explainCommand(const Request& request) {

@@ -16,9 +16,10 @@ struct Request {
   std::vector<std::string> deliver;
   std::size_t jobs = 0, cores = 0;  // 0: as many as the machine has
   bool dry_run = false;
-  bool keep_all = false;          // nothing is left out by measurement
-  std::string format = "dot";     // of the graph: dot, text, json
-  std::vector<std::string> vary;  // of a sweep: "transfer.order=2..6"
+  bool keep_all = false;           // nothing is left out by measurement
+  std::string format = "dot";      // of the graph: dot, text, json
+  std::filesystem::path baseline;  // folder; empty: beside each asset
+  std::vector<std::string> vary;   // of a sweep: "transfer.order=2..6"
 };
 
 inline constexpr const char* kCacheFolder = ".cache";  // in Request::out
@@ -30,5 +31,7 @@ int explainCommand(const Request& request);
 int graphCommand(const Request& request);
 int toolsCommand(const Request& request);
 int sweepCommand(const Request& request);
+int saveBaselineCommand(const Request& request);
+int checkBaselineCommand(const Request& request);
 
 }  // namespace bakelight::pipeline

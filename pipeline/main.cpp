@@ -88,6 +88,18 @@ int runCommandLine(int argc, char** argv) {
       ->allow_extra_args(false);
   sweep.add_option("-j,--jobs", request.jobs, "Stages at once; more than 1 disturbs the times");
   sweep.add_option("--threads", request.cores, "Cores to share among the stages; 0: all");
+  CLI::App& baseline = *app.add_subcommand(
+      "baseline", "Keep what every stage makes, and compare later runs with it; for continuous integration");
+  baseline.require_subcommand(1);
+  CLI::App& save = *baseline.add_subcommand("save", "Make the assets and keep all outputs");
+  CLI::App& check =
+      *baseline.add_subcommand("check", "Make the assets and compare; exit status 1 if anything differs");
+  for (CLI::App* command : {&save, &check}) {
+    addAssets(*command, request);
+    command->add_option("--baseline", request.baseline, "Folder of the baseline; default: beside the asset");
+    command->add_option("-j,--jobs", request.jobs, "Stages at once; 0: as many as there are cores");
+    command->add_option("--threads", request.cores, "Cores to share among the stages; 0: all");
+  }
   CLI::App& explain = *app.add_subcommand("explain", "Tell why each stage is up to date or not");
   addAssets(explain, request);
   CLI::App& graph = *app.add_subcommand("graph", "Print the stages and how they are wired");
@@ -108,6 +120,8 @@ int runCommandLine(int argc, char** argv) {
     return static_cast<int>(ExitStatus::kUsage);
   }
   if (run.parsed()) return runCommand(request);
+  if (save.parsed()) return saveBaselineCommand(request);
+  if (check.parsed()) return checkBaselineCommand(request);
   if (sweep.parsed()) return sweepCommand(request);
   if (explain.parsed()) return explainCommand(request);
   if (graph.parsed()) return graphCommand(request);

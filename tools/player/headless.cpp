@@ -13,8 +13,8 @@ namespace bakelight::player {
 namespace {
 
 template <class Work>
-double medianMilliseconds(const Work& work) {
-  std::array<double, 5> times{};
+Times_ms timesOf(const Work& work) {
+  std::array<double, 9> times{};
   for (double& time : times) {
     glFinish();
     const auto start = std::chrono::steady_clock::now();
@@ -23,7 +23,7 @@ double medianMilliseconds(const Work& work) {
     time = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   }
   std::ranges::sort(times);
-  return times[times.size() / 2];
+  return {times[times.size() / 2], times[times.size() / 4], times[3 * times.size() / 4]};
 }
 
 }  // namespace
@@ -35,11 +35,10 @@ HeadlessPicture renderHeadless(const formats::Pack& pack, const transport::Light
   HeadlessPicture picture;
   picture.gl_renderer = glRendererName();
   picture.exposure = renderer.exposure(settings);
-  picture.light_change_ms = medianMilliseconds([&] { renderer.updateLight(settings); });
-  if (renderer.hasEmitters())
-    picture.cube_ms = medianMilliseconds([&] { renderer.updateNearLight(settings); });
+  picture.light_change_ms = timesOf([&] { renderer.updateLight(settings); });
+  if (renderer.hasEmitters()) picture.cube_ms = timesOf([&] { renderer.updateNearLight(settings); });
   picture.gpu_bytes = renderer.gpuBytes();
-  picture.frame_ms = medianMilliseconds([&] {
+  picture.frame_ms = timesOf([&] {
     renderer.draw(settings);
     picture.image = encoding == PictureEncoding::kDisplay ? renderer.target().displayImage(picture.exposure)
                                                           : renderer.target().linearImage();

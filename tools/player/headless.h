@@ -17,13 +17,18 @@ enum class PictureEncoding {
   kLinear,   // linear radiance without exposure, colour premultiplied by coverage: for OpenEXR
 };
 
+// Of several runs: the median and the quartiles.
+struct Times_ms {
+  double median = 0, low = 0, high = 0;
+};
+
 struct HeadlessPicture {
   formats::Image image;  // R, G, B, A
   float exposure = 1;    // the factor that display encoding applies
-  // Medians of five, until GL has finished.
-  double light_change_ms = 0;     // turning the distant light and evaluating it at all vertices
-  std::optional<double> cube_ms;  // placing the emitters, drawing their cube map, projecting it; if any
-  double frame_ms = 0;  // reflecting towards the eye, drawing, resolving and reading back, lights unchanged
+  // Until GL has finished.
+  Times_ms light_change_ms;         // turning the distant light and evaluating it at all vertices
+  std::optional<Times_ms> cube_ms;  // placing the emitters, drawing their cube map, projecting it; if any
+  Times_ms frame_ms;  // reflecting towards the eye, drawing, resolving and reading back, lights unchanged
   std::size_t gpu_bytes = 0;  // of buffers and textures, without the picture
   std::string gl_renderer;
 };

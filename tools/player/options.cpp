@@ -41,9 +41,14 @@ void reportStats(stage::Run& run, const formats::Pack& pack, const transport::Li
   run.stat("window", lighting.window);
   run.stat("moved_energy", lighting.moved_energy);
   run.stat("gpu_bytes", picture.gpu_bytes);
-  run.stat("light_change_ms", picture.light_change_ms);
-  if (picture.cube_ms) run.stat("cube_ms", *picture.cube_ms);
-  run.stat("frame_ms", picture.frame_ms);
+  const auto times = [&](const std::string& name, const Times_ms& of) {
+    run.stat(name, of.median);
+    run.stat(name + "_low", of.low);
+    run.stat(name + "_high", of.high);
+  };
+  times("light_change_ms", picture.light_change_ms);
+  if (picture.cube_ms) times("cube_ms", *picture.cube_ms);
+  times("frame_ms", picture.frame_ms);
 }
 
 }  // namespace bakelight::player
