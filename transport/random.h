@@ -20,9 +20,10 @@ constexpr std::uint64_t scrambled(std::uint64_t value) {
 }
 
 // Sixteen samples of any number of dimensions. In each dimension pair every cell of a 4 × 4 grid holds one
-// point, jittered; in each single dimension every sixteenth of the unit interval does. Which sample has which
-// cell is shuffled anew in each dimension, so that they are combined at random (padding; Kensler 2013,
-// "Correlated Multi-Jittered Sampling"). Mean values over a batch are unbiased, and batches are independent.
+// point, as does every sixteenth of either axis (correlated multi-jittered: Kensler 2013, "Correlated
+// Multi-Jittered Sampling"); in each single dimension every sixteenth of the unit interval does. Which sample
+// has which cell is shuffled anew in each dimension, so that they are combined at random. Means over a batch
+// are unbiased, and batches are independent.
 class StratifiedBatch {
  public:
   static constexpr int kSize = 16;
@@ -35,8 +36,14 @@ class StratifiedBatch {
   std::array<double, 2> pair(int sample, int dimension) const {
     const std::uint64_t of_dimension = scrambled(key_ ^ static_cast<std::uint64_t>(dimension));
     const unsigned cell = shuffled(static_cast<unsigned>(sample), static_cast<std::uint32_t>(of_dimension));
+    const unsigned column = cell % 4, row = cell / 4;
+    // Within its column a cell takes the quarter that its row is given, and the other way round.
+    const auto bits = static_cast<unsigned>(of_dimension >> 32);
+    const unsigned across = ((row ^ (bits & 3)) + (bits >> 2)) & 3;
+    const unsigned down = ((column ^ (bits >> 4 & 3)) + (bits >> 6)) & 3;
     const std::uint64_t jitter = jitterOf(of_dimension, sample);
-    return {(cell % 4 + unitInterval(jitter >> 32)) / 4, (cell / 4 + unitInterval(jitter & 0xffffffffU)) / 4};
+    return {(4 * column + across + unitInterval(jitter >> 32)) / kSize,
+            (4 * row + down + unitInterval(jitter & 0xffffffffU)) / kSize};
   }
   double single(int sample, int dimension) const {
     const std::uint64_t of_dimension = scrambled(key_ ^ static_cast<std::uint64_t>(dimension));
