@@ -239,7 +239,7 @@ TEST(Pictures, AreTheSameWithAnyNumberOfThreads) {
   for (const At at : {At::kPixels, At::kVertices}) {
     Options options = pictureOptions(24, 18, 4096);
     options.at = at;
-    options.effort.relative_error = at == At::kPixels ? 0.05 : 0.03;
+    options.effort.relative_error = at == At::kPixels ? 0.05 : 0.002;
     std::vector<Reference> made;
     for (const std::size_t threads : {1, 2, 5}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
