@@ -88,15 +88,19 @@ void setOrigin(RTCRay16& rays, const Float3& origin, float t_near) {
   }
 }
 
-// Rays first … first + count of the bundle into the packet.
+// Rays first … first + count of the bundle into the packet. Where Embree has no packets of 16 (without
+// AVX-512), it goes by the rays themselves rather than by `valid`: a place that is left over holds a ray of
+// finite numbers that ends before it begins.
 void setDirections(RTCRay16& rays, IntMask& valid, const RayBundle& bundle, std::size_t first,
                    std::size_t count) {
   std::copy_n(&bundle.x[first], count, rays.dir_x);
   std::copy_n(&bundle.y[first], count, rays.dir_y);
   std::copy_n(&bundle.z[first], count, rays.dir_z);
   for (std::size_t i = 0; i < RayScene::kPacketWidth; ++i) {
-    valid[i] = i < count ? -1 : 0;
-    rays.tfar[i] = std::numeric_limits<float>::infinity();
+    const bool used = i < count;
+    valid[i] = used ? -1 : 0;
+    rays.tfar[i] = std::numeric_limits<float>::infinity() * (used ? 1 : -1);
+    if (!used) rays.dir_x[i] = 0, rays.dir_y[i] = 0, rays.dir_z[i] = 1;
   }
 }
 
