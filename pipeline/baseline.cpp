@@ -1,6 +1,7 @@
 #include "pipeline/baseline.h"
 
 #include <cstdio>
+#include <limits>
 #include <utility>
 
 #include "formats/error.h"
@@ -42,7 +43,8 @@ void replaceFolder(const fs::path& from, const fs::path& to, Disk& disk) {
 }
 
 BaselineStage storedStage(const MadeStage& made, const fs::path& folder, Disk& disk) {
-  BaselineStage stage{.tool = made.tool, .parameters = made.parameters};
+  BaselineStage stage{
+      .tool = made.tool, .execution_path = made.execution_path, .parameters = made.parameters};
   for (const auto& [port, file] : made.entry.outputs) {
     const std::string& kind = made.kinds.at(port);
     const std::string stored = made.stage + "/" + file.name;
@@ -64,7 +66,9 @@ MadeAsset madeAsset(const Graph& graph, std::size_t asset, const BuildResult& re
     if (!outcome.entry)
       throw badInput({graph.assets[asset].file, "stage " + task.stage, ""}, "was not made: " + outcome.reason,
                      "a run in which every stage succeeds");
-    MadeStage stage{task.stage, task.tool, outcome.ingredients.parameters, {}, *outcome.entry};
+    MadeStage stage{
+        task.stage, task.tool,     outcome.ingredients.execution_path, outcome.ingredients.parameters,
+        {},         *outcome.entry};
     const formats::ToolDescription& tool = tools.require(task.tool, {}).description;
     for (const auto& [port, file] : outcome.entry->outputs) stage.kinds[port] = tool.findOutput(port)->kind;
     made.stages.push_back(std::move(stage));

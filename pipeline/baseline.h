@@ -23,7 +23,7 @@ namespace bakelight::pipeline {
 
 // What a finished build made of one asset.
 struct MadeStage {
-  std::string stage, tool;
+  std::string stage, tool, execution_path;
   formats::Json parameters;
   std::map<std::string, std::string> kinds;  // of the outputs, by port
   CacheEntry entry;

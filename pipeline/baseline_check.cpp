@@ -47,6 +47,7 @@ class Checker {
   void tellChanges(const BaselineStage& stored, const MadeStage& made) {
     Ingredients before, now;
     before.tool = stored.tool, before.parameters = stored.parameters;
+    before.execution_path = stored.execution_path, now.execution_path = made.execution_path;
     now.tool = made.tool, now.parameters = made.parameters;
     for (const std::string& phrase : differences(before, now, {}))
       report_.notes.push_back(made.stage + ": " + phrase + " since the baseline was saved");

@@ -77,6 +77,7 @@ Json toJson(const BaselineStage& stage) {
     outputs[port] = {
         {"file", output.file}, {"kind", output.kind}, {"hash", output.hash}, {"limits", limitsJson(output)}};
   return {{"tool", stage.tool},
+          {"execution_path", stage.execution_path},
           {"parameters", stage.parameters},
           {"outputs", outputs},
           {"counts", stage.counts},
@@ -101,8 +102,9 @@ class Reader {
 
  private:
   BaselineStage stage(const JsonObject& json) {
-    json.allowKeys({"tool", "parameters", "outputs", "counts", "ignored_counts"}, problems_);
-    BaselineStage stage{.tool = json.text("tool")};
+    json.allowKeys({"tool", "execution_path", "parameters", "outputs", "counts", "ignored_counts"},
+                   problems_);
+    BaselineStage stage{.tool = json.text("tool"), .execution_path = json.text("execution_path")};
     json.object("parameters");
     if (json.has("parameters")) stage.parameters = json.value("parameters");
     const JsonObject outputs = json.object("outputs");

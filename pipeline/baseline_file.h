@@ -26,6 +26,7 @@ struct BaselineOutput {
 
 struct BaselineStage {
   std::string tool;
+  std::string execution_path;  // formats::ToolDescription::execution_path
   formats::Json parameters = formats::Json::object();
   std::map<std::string, BaselineOutput> outputs = {};  // by port
   std::map<std::string, std::int64_t> counts = {};     // by JSON pointer into the stage's stats

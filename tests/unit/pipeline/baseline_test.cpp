@@ -364,6 +364,14 @@ TEST_F(BaselineTest, ChangedParametersAreTold) {
   EXPECT_THAT(report.notes, Contains(AllOf(HasSubstr("transfer"), HasSubstr("order changed from 5 to 4"))));
 }
 
+TEST_F(BaselineTest, AnotherExecutionPathIsTold) {
+  save();
+  made.stages[1].execution_path = "embree avx2";
+  const BaselineReport report = check();
+  EXPECT_EQ(report.exitStatus(), 0);
+  EXPECT_THAT(report.notes, Contains(AllOf(HasSubstr("transfer"), HasSubstr("embree avx2"))));
+}
+
 TEST_F(BaselineTest, DamageIsFound) {
   EXPECT_THAT(checkError(), HasSubstr("is no baseline"));
   save();
