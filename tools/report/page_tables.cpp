@@ -80,13 +80,18 @@ std::vector<Column> variantColumns(const Plan& plan, const Evaluation& evaluatio
   };
   time("light change", &VariantFigures::light_change_ms);
   time("view change", &VariantFigures::view_change_ms);
-  const auto gl = [&](const char* name, double GlTimes::*member) {
+  const auto gl = [&](const char* name, Spread GlTimes::*member) {
+    const auto times = [&plan, member](std::size_t v) {
+      const std::optional<GlTimes>& measured = plan.variants[v].gl;
+      return measured ? std::optional<Spread>((*measured).*member) : std::nullopt;
+    };
     columns.push_back({{name, "OpenGL, ms"},
-                       [&plan, member](std::size_t v) {
-                         const auto& times = plan.variants[v].gl;
-                         return times ? std::optional<double>((*times).*member) : std::nullopt;
+                       [times](std::size_t v) {
+                         const std::optional<Spread> spread = times(v);
+                         return spread ? std::optional<double>(spread->median) : std::nullopt;
                        },
-                       plainText});
+                       plainText,
+                       [times](std::size_t v) { return range(times(v)->low, times(v)->high); }});
   };
   if (std::any_of(plan.variants.begin(), plan.variants.end(),
                   [](const auto& v) { return v.gl.has_value(); })) {

@@ -73,12 +73,19 @@ ChainLink linkOf(const JsonElement& element, std::size_t view_count) {
   return link;
 }
 
+// NAME, NAME_low and NAME_high; without the quartiles the median stands for them.
+Spread glSpreadOf(const JsonElement& player, const std::string& name) {
+  const std::optional<JsonElement> median = player.find(name), low = player.find(name + "_low"),
+                                   high = player.find(name + "_high");
+  if (!median) throw player.error("it has no " + name, "the player's stats, or null");
+  const double value = median->atLeastZero();
+  return {value, low ? low->atLeastZero() : value, high ? high->atLeastZero() : value};
+}
+
 // The player's stats have more than this.
-GlTimes glTimesOf(const JsonElement& element) {
-  for (const char* key : {"light_change_ms", "frame_ms"})
-    if (!element.value().is_object() || !element.value().contains(key))
-      throw element.error(std::string("it has no ") + key, "the player's stats, or null");
-  return {element.at("light_change_ms").atLeastZero(), element.at("frame_ms").atLeastZero()};
+GlTimes glTimesOf(const JsonElement& player) {
+  if (!player.value().is_object()) throw player.error("it is not an object", "the player's stats, or null");
+  return {glSpreadOf(player, "light_change_ms"), glSpreadOf(player, "frame_ms")};
 }
 
 PlanVariant variantOf(const JsonElement& element, std::size_t view_count) {

@@ -11,6 +11,7 @@
 
 #include "formats/frame_settings.h"
 #include "formats/json.h"
+#include "tools/report/timing.h"
 
 namespace bakelight::report {
 
@@ -51,7 +52,7 @@ struct ChainLink {
 
 // As the player measured them.
 struct GlTimes {
-  double light_change_ms = 0, frame_ms = 0;
+  Spread light_change_ms, frame_ms;
 };
 
 struct PlanVariant {

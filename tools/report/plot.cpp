@@ -13,8 +13,9 @@ namespace {
 
 constexpr double kWidth = 360, kHeight = 290;
 constexpr double kLeft = 46, kRight = 350, kTop = 10, kBottom = 246;
-constexpr double kMarkerRadius = 4.5;
-constexpr double kLetter = 5.7, kLineHeight = 11;  // of the labels' font
+constexpr double kMarkerRadius = 4.5, kMarkerExtent = 6.5;  // of a circle; of any, with its outline
+// Of the labels' font, bold 10: the widest in use is DejaVu Sans.
+constexpr double kLetter = 7, kAscent = 9.5, kDescent = 2.5;
 
 struct Position {
   double x, y;
@@ -54,12 +55,12 @@ struct Placement {
 const std::vector<Placement>& placements() {
   static const std::vector<Placement> kPlacements = [] {
     std::vector<Placement> result;
-    for (const double away : {0.0, 9.0, 20.0, 32.0}) {
-      result.push_back({-6 - away * 0.6, 12 + away, "end"});
-      result.push_back({6 + away * 0.6, 12 + away, "start"});
-      result.push_back({0, 16 + away, "middle"});
-      result.push_back({6 + away * 0.6, -6 - away, "start"});
-      result.push_back({-6 - away * 0.6, -6 - away, "end"});
+    for (const double away : {0.0, 9.0, 20.0, 32.0, 44.0, 57.0, 70.0}) {
+      result.push_back({-7 - away * 0.6, 13 + away, "end"});
+      result.push_back({7 + away * 0.6, 13 + away, "start"});
+      result.push_back({0, 17 + away, "middle"});
+      result.push_back({7 + away * 0.6, -7 - away, "start"});
+      result.push_back({-7 - away * 0.6, -7 - away, "end"});
     }
     return result;
   }();
@@ -151,14 +152,14 @@ class PlotWriter {
     const double left = placement.anchor == std::string_view("end")      ? x - width
                         : placement.anchor == std::string_view("middle") ? x - width / 2
                                                                          : x;
-    return {left, at.y + placement.dy - kLineHeight + 2, left + width, at.y + placement.dy + 2};
+    return {left, at.y + placement.dy - kAscent, left + width, at.y + placement.dy + kDescent};
   }
 
   std::string labels() const {
     std::vector<Box> taken;
     for (const Position& at : positions_)
       taken.push_back(
-          {at.x - kMarkerRadius, at.y - kMarkerRadius, at.x + kMarkerRadius, at.y + kMarkerRadius});
+          {at.x - kMarkerExtent, at.y - kMarkerExtent, at.x + kMarkerExtent, at.y + kMarkerExtent});
     std::string svg;
     for (const std::size_t i : plot_.front) {
       const std::string& label = plot_.points[i].label;
@@ -171,7 +172,7 @@ class PlotWriter {
         if (!free) continue;
         taken.push_back(box);
         const Position at{positions_[i].x + placement.dx, positions_[i].y + placement.dy};
-        if (std::abs(placement.dy) > 17)
+        if (std::abs(placement.dy) > 18)
           svg += line(positions_[i], {at.x, at.y + (placement.dy > 0 ? -8 : 2)}, "leader");
         svg += text(at, placement.anchor, "label", label);
         break;

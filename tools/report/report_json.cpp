@@ -37,7 +37,8 @@ Json jsonOf(const LeftOut& left_out, const VariantFigures& figures) {
 
 Json glOf(const PlanVariant& variant) {
   if (!variant.gl) return nullptr;
-  return {{"light_change_ms", variant.gl->light_change_ms}, {"frame_ms", variant.gl->frame_ms}};
+  return {{"light_change_ms", jsonOf(variant.gl->light_change_ms)},
+          {"frame_ms", jsonOf(variant.gl->frame_ms)}};
 }
 
 Json variantOf(const Plan& plan, const PlanVariant& variant, const VariantFigures& figures) {

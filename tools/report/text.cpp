@@ -60,8 +60,10 @@ std::string numberText(double value, int digits) {
   const double magnitude = std::abs(value);
   if (magnitude < 1e-4 || magnitude >= 1e7)
     return formatted(value, std::chars_format::scientific, digits - 1);
-  const int whole_digits = static_cast<int>(std::floor(std::log10(magnitude))) + 1;
-  return formatted(value, std::chars_format::fixed, std::max(digits - whole_digits, 0));
+  // Where rounding carries over, as from 9.996 to 10.0, one decimal less is left.
+  const std::string rounded = formatted(magnitude, std::chars_format::scientific, digits - 1);
+  const int exponent = std::stoi(rounded.substr(rounded.find('e') + 1));
+  return formatted(value, std::chars_format::fixed, std::max(digits - 1 - exponent, 0));
 }
 
 std::string tickText(double value) {

@@ -99,6 +99,27 @@ TEST(Image, MetadataComeBack) {
   EXPECT_THAT(errorOf([&] { readImageMetadata(folder / "none.exr"); }), HasSubstr("none.exr"));
 }
 
+TEST(Image, DataUriCarriesThePng) {
+  const ScratchFolder folder;
+  Image image(3, 2, {"R", "G", "B", "A"});
+  for (std::size_t i = 0; i < image.values.size(); ++i) image.values[i] = static_cast<float>(i) / 23;
+  const std::string uri = pngDataUri(image), begin = "data:image/png;base64,";
+  ASSERT_TRUE(uri.starts_with(begin));
+  std::string decoded;
+  unsigned bits = 0;
+  int count = 0;
+  for (const char c : uri.substr(begin.size(), uri.find('=') - begin.size())) {
+    const std::size_t value =
+        std::string("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/").find(c);
+    ASSERT_NE(value, std::string::npos);
+    bits = bits << 6 | static_cast<unsigned>(value);
+    count += 6;
+    if (count >= 8) decoded += static_cast<char>(bits >> (count -= 8));
+  }
+  writePng(folder / "a.png", image);
+  EXPECT_EQ(decoded, readTextFile(folder / "a.png"));
+}
+
 TEST(Image, PngRoundsAndClamps) {
   const ScratchFolder folder;
   Image image(4, 1, {"Y"});
