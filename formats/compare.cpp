@@ -140,6 +140,17 @@ void addValues(Comparison& comparison, const std::string& name, const ValueDiffe
   comparison.differences.push_back({name + ", maximum", difference.maximum, limits.maximum});
 }
 
+// Of vertex by vertex; nothing if there is none.
+template <class Value>
+void addAttribute(Comparison& comparison, const std::string& name, const std::vector<Value>& values,
+                  const std::vector<Value>& reference, const CompareLimits& limits) {
+  if (values.empty()) return;
+  ValueDifference difference;
+  for (std::size_t v = 0; v < values.size(); ++v)
+    for (std::size_t i = 0; i < values[v].size(); ++i) difference.add(values[v][i], reference[v][i]);
+  comparison.differences.push_back({name + ", maximum", difference.maximum, limits.maximum});
+}
+
 template <class T>
 ValueDifference differenceOf(const Tensor& tensor, const Tensor& reference) {
   const auto values = tensor.as<T>(), reference_values = reference.as<T>();
@@ -296,6 +307,7 @@ Comparison compareMeshes(const TriangleMesh& mesh, const TriangleMesh& reference
   same_shape &= agree(comparison, "triangles", mesh.triangleCount(), reference.triangleCount());
   same_shape &= agree(comparison, "normals", mesh.normals.size(), reference.normals.size());
   same_shape &= agree(comparison, "texcoords", mesh.texcoords.size(), reference.texcoords.size());
+  same_shape &= agree(comparison, "colors", mesh.colors.size(), reference.colors.size());
   if (!same_shape || mesh.positions.empty()) return comparison;
 
   const double diagonal = std::max(boxDiagonal(reference.positions), std::numeric_limits<double>::min());
@@ -313,13 +325,8 @@ Comparison compareMeshes(const TriangleMesh& mesh, const TriangleMesh& reference
          largest(normalDifference(mesh, reference, slack), normalDifference(reference, mesh, slack)),
          limits.normal});
   }
-  if (!mesh.texcoords.empty()) {
-    ValueDifference difference;
-    for (std::size_t v = 0; v < mesh.texcoords.size(); ++v)
-      for (std::size_t axis = 0; axis < 2; ++axis)
-        difference.add(mesh.texcoords[v][axis], reference.texcoords[v][axis]);
-    comparison.differences.push_back({"texcoords, maximum", difference.maximum, limits.maximum});
-  }
+  addAttribute(comparison, "texcoords", mesh.texcoords, reference.texcoords, limits);
+  addAttribute(comparison, "colors", mesh.colors, reference.colors, limits);
   return comparison;
 }
 

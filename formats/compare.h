@@ -22,7 +22,8 @@ struct CompareLimits {
   double distance = 0;
   // Meshes and packs: largest length of the difference of two normals (of vertices nearest to each other).
   double normal = 0;
-  // Images (per channel), tensors, and the tables of packs: largest absolute difference of two values.
+  // Images (per channel), tensors, the tables of packs, texture coordinates and colours of meshes (vertex by
+  // vertex): largest absolute difference of two values.
   double maximum = 0;
   // Images, per channel: root of the mean squared difference.
   double rms = 0;

@@ -83,6 +83,19 @@ TEST(CompareMeshes, MeasuresTheLargestMoveOverTheDiagonal) {
   EXPECT_TRUE(compareMeshes(mesh, reference, {.distance = 0.04}).passes());
 }
 
+TEST(CompareMeshes, ColoursCount) {
+  TriangleMesh reference = stages::sphere(1);
+  reference.colors.assign(reference.vertexCount(), {0.5f, 0.5f, 0.5f});
+  TriangleMesh mesh = reference;
+  EXPECT_TRUE(compareMeshes(mesh, reference, {}).passes());
+  mesh.colors[7][2] = 0.75f;
+  EXPECT_EQ(differenceCalled(compareMeshes(mesh, reference, {}), "colors, maximum").measured, 0.25);
+  EXPECT_FALSE(compareMeshes(mesh, reference, {.maximum = 0.2}).passes());
+  EXPECT_TRUE(compareMeshes(mesh, reference, {.maximum = 0.25}).passes());
+  mesh.colors.clear();
+  EXPECT_FALSE(compareMeshes(mesh, reference, {.maximum = 1}).passes());
+}
+
 TEST(CompareMeshes, BothDirectionsCount) {
   // Each vertex of `doubled` lies on one of `reference`, but not the other way round.
   const TriangleMesh reference = stages::sphere(0);
