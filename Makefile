@@ -7,7 +7,7 @@ ASSETS   ?= configs/assets/bunny
 RUN_ARGS ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help packages configure build tools assets pipeline play test test-asan test-tsan bench pictures validate golden-update \
+.PHONY: help packages configure build tools assets pipeline report play test test-asan test-tsan bench pictures validate golden-update \
         lint format clean
 
 help: ## List the targets
@@ -36,6 +36,9 @@ assets: ## Fetch the default asset: the Stanford bunny and HDR probes
 
 pipeline: tools assets ## Bake and show ASSETS (default: the bunny) into out/
 	@$(BUILD)/bin/bakelight run $(ASSETS) --out $(OUT) $(RUN_ARGS)
+
+report: tools assets ## Measure error against run time of the bunny's variants: out/bunny/report.html
+	@$(BUILD)/bin/bakelight sweep configs/reports/bunny --out $(OUT) $(RUN_ARGS)
 
 play: pipeline ## Open the baked bunny in a window
 	@$(BUILD)/bin/player $(OUT)/bunny/bunny.glb --environment $(BUILD)/assets/probes/sunrise.exr

@@ -1,0 +1,243 @@
+// What a sweep makes of an asset: variants, packs that differ in one respect, references, and the plan of the
+// report.
+#include "pipeline/sweep.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "pipeline/problems.h"
+#include "workshop.h"
+
+namespace bakelight::pipeline {
+namespace {
+
+using Json = nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+Json port(const std::string& name, const std::string& kind, bool required = true) {
+  return {{"name", name}, {"kind", kind}, {"required", required}, {"help", ""}};
+}
+
+Json text(const std::string& name, const std::string& value) {
+  return {{"name", name}, {"type", "text"}, {"default", value}, {"help", ""}};
+}
+
+Json integer(const std::string& name, int value) {
+  return {{"name", name}, {"type", "integer"}, {"default", value}, {"help", ""}};
+}
+
+Json tool(const std::string& name, Json inputs, Json outputs, Json parameters) {
+  return {{"tool", name},     {"summary", ""},      {"execution_path", ""},
+          {"inputs", inputs}, {"outputs", outputs}, {"parameters", parameters}};
+}
+
+class SweepTest : public testing::Test, public BuildObserver {
+ protected:
+  SweepTest() {
+    recipe_ = Json::parse(R"({
+      "asset": { "mesh": { "kind": "mesh", "endings": [".obj"] },
+                 "environment": { "kind": "image", "required": false, "endings": [".hdr"] } },
+      "stages": {
+        "simplify": { "inputs": { "mesh": "asset.mesh" }, "outputs": { "simplified": "mesh.ply" } },
+        "transfer": { "inputs": { "mesh": "simplify.simplified" }, "outputs": { "transfer": "t.safetensors" } },
+        "pack": { "inputs": { "transfer": "transfer.transfer" }, "outputs": { "pack": "{asset}.glb" },
+                  "parameters": { "name": "{asset}" } },
+        "frame": { "tool": "player", "inputs": { "pack": "pack.pack", "environment": "asset.environment" },
+                   "outputs": { "image": "frame.png" } }
+      },
+      "deliver": { "pack": "pack.pack", "frame": "frame.image" },
+      "report": {
+        "pack": "pack.pack", "frame": "frame", "vary": ["transfer.order=2..3"],
+        "frame_parameters": { "width": 64 },
+        "cameras": { "front": { "yaw_deg": 25 }, "back": { "yaw_deg": 200 } },
+        "same_scene": ["transfer.albedo"],
+        "scene": { "transfer": { "order": 1, "transport": "none" } },
+        "truth": { "set": { "simplify": { "triangles": 1000 } }, "reference": { "transport": "full" } },
+        "chain": [
+          { "cause": "simplification", "reference": { "transport": { "same_as": "transfer.transport" } } },
+          { "cause": "directions", "set": { "transfer": { "directions": 99 } } },
+          { "cause": "storage" }
+        ]
+      }
+    })");
+    const auto joined = [](const char* output) {
+      return [output](const auto& inputs, const Json& parameters) {
+        std::string made = parameters.dump();
+        for (const auto& [name, content] : inputs) made += " " + content;
+        return std::map<std::string, std::string>{{output, made}};
+      };
+    };
+    auto& runner = workshop_.runner;
+    runner.install("simplify", {tool("simplify", {port("mesh", "mesh")}, {port("simplified", "mesh")},
+                                     {integer("triangles", 100)}),
+                                joined("simplified")});
+    runner.install("transfer", {tool("transfer", {port("mesh", "mesh")}, {port("transfer", "tensors")},
+                                     {integer("order", 5), integer("directions", 8), integer("albedo", 1),
+                                      text("transport", "all")}),
+                                [joined](const auto& inputs, const Json& parameters) {
+                                  if (parameters.at("order") == 9)
+                                    throw badInput({"mesh", "", ""}, "is too much");
+                                  return joined("transfer")(inputs, parameters);
+                                }});
+    runner.install("pack",
+                   {tool("pack", {port("transfer", "tensors")}, {port("pack", "pack")}, {text("name", "")}),
+                    joined("pack")});
+    runner.install("player", {tool("player", {port("pack", "pack"), port("environment", "image", false)},
+                                   {port("image", "image")}, {integer("width", 640)}),
+                              joined("image"),
+                              {{"frame_ms", 4}}});
+    runner.install("reference",
+                   {tool("reference", {port("pack", "pack"), port("environment", "image", false)},
+                         {port("image", "image")},
+                         {integer("width", 640), integer("yaw_deg", 0), text("transport", "full")}),
+                    joined("image")});
+  }
+
+  Sweep plan(const SweepOptions& options = {}) {
+    workshop_.disk.write("recipes/prt.json", recipe_.dump());
+    Problems problems;
+    const std::vector<Asset> assets = findAssets({"assets/cube"}, "data", recipes_, workshop_.disk, problems);
+    std::optional<Sweep> sweep;
+    problems.attempt([&] { sweep = planSweep(assets.at(0), recipes_, tools_, options, problems); });
+    problems.throwIfAny();
+    return std::move(*sweep);
+  }
+
+  Json reportPlanOf(const Sweep& sweep) {
+    Cache cache("out/.cache", workshop_.disk, memo_);
+    OutputFolder out("out/cube/sweep", sweep.graph, workshop_.disk, memo_);
+    const std::vector<PastRecord> past(sweep.graph.assets.size());
+    const BuildResult result =
+        Build({sweep.graph, tools_, cache, out, memo_, workshop_.disk, workshop_.runner, *this}, past,
+              {.jobs = 1, .cores = 1})
+            .run();
+    return reportPlan("cube", sweep, result.outcomes, memo_);
+  }
+
+  std::size_t count(const Sweep& sweep, const std::string& tool_name) const {
+    return static_cast<std::size_t>(std::count_if(sweep.graph.tasks.begin(), sweep.graph.tasks.end(),
+                                                  [&](const Task& task) { return task.tool == tool_name; }));
+  }
+
+  void started(TaskIndex) override {}
+  void progressed(TaskIndex, const ToolProgress&) override {}
+  void said(TaskIndex, const std::string&) override {}
+  void settled(TaskIndex, const Outcome&) override {}
+
+  Workshop workshop_;
+  Json recipe_;
+  Memo memo_{"out/.cache/memo.json", workshop_.disk};
+  RecipeBook recipes_{"recipes", workshop_.disk};
+  Toolbox tools_{"tools", "processor", workshop_.disk, workshop_.runner, memo_};
+};
+
+TEST_F(SweepTest, WhatVariantsShareIsPlannedOnce) {
+  const Sweep sweep = plan();
+  ASSERT_EQ(sweep.variants.size(), 2u);
+  // Truth, scene at the variants' simplification, and of each order the variant (equal to its storage link
+  // but for what it delivers) and the link with more directions.
+  EXPECT_EQ(sweep.graph.assets.size(), 2u + 2 * 3);
+  // Two cameras: the truth, and one simplified scene for both orders.
+  EXPECT_EQ(count(sweep, "reference"), 4u);
+  EXPECT_EQ(sweep.variants[0].chain[0].references, sweep.variants[1].chain[0].references);
+  EXPECT_NE(sweep.variants[0].chain[1].pack, sweep.variants[1].chain[1].pack);
+}
+
+TEST_F(SweepTest, LinksDifferFromTheVariantInOneRespect) {
+  const Sweep sweep = plan();
+  const auto transferOf = [&](TaskIndex pack) -> const Json& {
+    return sweep.graph.tasks[*sweep.graph.tasks[pack].inputs.at("transfer").maker].parameters;
+  };
+  const SweptVariant& variant = sweep.variants[1];
+  ASSERT_EQ(variant.chain.size(), 3u);
+  EXPECT_EQ(transferOf(variant.pack).at("order"), 3);
+  EXPECT_EQ(transferOf(variant.chain[1].pack).at("order"), 3);
+  EXPECT_EQ(transferOf(variant.chain[1].pack).at("directions"), 99);
+  EXPECT_EQ(transferOf(variant.chain[2].pack), transferOf(variant.pack));
+  const Task& traced = sweep.graph.tasks[variant.chain[0].references[0]];
+  EXPECT_EQ(traced.parameters.at("transport"), "all") << "the variant's, not that of the scene's cheap pack";
+  EXPECT_EQ(transferOf(*traced.inputs.at("pack").maker).at("order"), 1);
+  const Task& truth = sweep.graph.tasks[sweep.truths[0]];
+  EXPECT_EQ(truth.parameters.at("transport"), "full");
+  EXPECT_EQ(truth.parameters.at("width"), 64);
+}
+
+TEST_F(SweepTest, ViewsAreAllLightsSeenByAllCameras) {
+  workshop_.disk.write("assets/cube/asset.json",
+                       Json({{"mesh", "cube.obj"},
+                             {"report",
+                              {{"lights", {{"sky", "sky.hdr"}, {"lamps", "rig.json"}}},
+                               {"cameras", {{"top", {{"yaw_deg", 90}}}}}}}})
+                           .dump());
+  workshop_.disk.write("assets/cube/rig.json", "{}");
+  const Sweep sweep = plan();
+  ASSERT_EQ(sweep.views.size(), 2u);
+  EXPECT_EQ(sweep.views[0].name, "lamps-top");
+  EXPECT_EQ(sweep.views[0].lights.filename(), "rig.json");
+  EXPECT_TRUE(sweep.views[0].environment.empty());
+  EXPECT_EQ(sweep.views[1].environment.filename(), "sky.hdr");
+  EXPECT_EQ(sweep.views[1].frame, Json({{"width", 64}, {"yaw_deg", 90}}));
+}
+
+TEST_F(SweepTest, VaryAndSettingsOfTheCommandLineWin) {
+  const Sweep sweep =
+      plan({.vary = {"transfer.directions=1,2,3"}, .settings = {parseSetting("transfer.order=7")}});
+  ASSERT_EQ(sweep.variants.size(), 3u);
+  const Task& pack = sweep.graph.tasks[sweep.variants[2].pack];
+  const Json& parameters = sweep.graph.tasks[*pack.inputs.at("transfer").maker].parameters;
+  EXPECT_EQ(parameters.at("directions"), 3);
+  EXPECT_EQ(parameters.at("order"), 7);
+}
+
+TEST_F(SweepTest, ASceneThatVariesIsRefused) {
+  try {
+    plan({.vary = {"transfer.albedo=1,2"}});
+    FAIL() << "accepted";
+  } catch (const ProblemsFound& found) {
+    EXPECT_EQ(found.errors().front().status(), ExitStatus::kUsage);
+    EXPECT_THAT(found.what(), HasSubstr("transfer.albedo changes the scene itself"));
+  }
+}
+
+TEST_F(SweepTest, MistakesInWhatVariesAreToldBeforeAnythingRuns) {
+  for (const char* vary : {"transfer.ordr=1", "transfr.order=1", "transfer.order=many"})
+    EXPECT_THROW(plan({.vary = {vary}}), ProblemsFound) << vary;
+}
+
+TEST_F(SweepTest, ARecipeThatDoesNotSayHowIsRefused) {
+  recipe_.erase("report");
+  EXPECT_THROW(plan(), ProblemsFound);
+}
+
+TEST_F(SweepTest, ThePlanNamesEveryPictureAndWhatItCost) {
+  const Json plan_json = reportPlanOf(plan());
+  ASSERT_EQ(plan_json.at("variants").size(), 2u);
+  const Json& variant = plan_json.at("variants")[0];
+  EXPECT_EQ(variant.at("name"), "order=2");
+  EXPECT_EQ(variant.at("parameters"), Json({{"transfer.order", 2}}));
+  EXPECT_THAT(variant.at("pack").at("path").get<std::string>(), HasSubstr("cube.glb"));
+  EXPECT_FALSE(variant.at("pack").at("hash").get<std::string>().empty());
+  std::vector<std::string> stages, causes;
+  for (const Json& stage : variant.at("stages")) stages.push_back(stage.at("stage"));
+  for (const Json& link : variant.at("chain")) causes.push_back(link.at("cause"));
+  EXPECT_THAT(stages, ElementsAre("simplify", "transfer", "pack"));
+  EXPECT_THAT(causes, ElementsAre("simplification", "directions", "storage"));
+  EXPECT_EQ(variant.at("chain")[0].at("references").size(), 2u);
+  EXPECT_EQ(variant.at("player").at("frame_ms"), 4);
+  ASSERT_EQ(plan_json.at("views").size(), 2u);
+  EXPECT_THAT(plan_json.at("views")[0].at("reference").at("path").get<std::string>(),
+              HasSubstr("reference.exr"));
+}
+
+TEST_F(SweepTest, AVariantThatFailsIsListedAndTheOthersGoOn) {
+  const Json plan_json = reportPlanOf(plan({.vary = {"transfer.order=2,9"}}));
+  ASSERT_EQ(plan_json.at("variants").size(), 1u);
+  ASSERT_EQ(plan_json.at("failed").size(), 1u);
+  EXPECT_EQ(plan_json.at("failed")[0],
+            Json({{"name", "order=9"}, {"stage", "transfer"}, {"reason", "is too much"}}));
+}
+
+}  // namespace
+}  // namespace bakelight::pipeline
