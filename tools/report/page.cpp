@@ -80,8 +80,8 @@ std::string legend(const Varied& varied) {
     html += "</ul>";
   }
   std::string labels;
-  for (std::size_t p = 0; p < varied.parameters.size(); ++p)
-    if (p != varied.shown) labels += (labels.empty() ? "" : " · ") + varied.parameters[p].name;
+  for (const std::size_t p : labelParameters(varied))
+    labels += (labels.empty() ? "" : " · ") + varied.parameters[p].name;
   html +=
       "<p class=\"soft\">Filled: on the Pareto front, the dashed line; nothing is both cheaper and nearer to "
       "the reference. Hollow: beaten." +

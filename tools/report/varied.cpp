@@ -24,6 +24,16 @@ VariedParameter parameterOf(const Plan& plan, const std::string& name) {
   return parameter;
 }
 
+// Whether variants that share a value of `known` share that of `parameter`, too: settings that go together.
+bool follows(const VariedParameter& parameter, const VariedParameter& known) {
+  std::map<std::size_t, std::size_t> value_from_known;
+  for (std::size_t v = 0; v < parameter.value_of.size(); ++v)
+    if (value_from_known.emplace(known.value_of[v], parameter.value_of[v]).first->second !=
+        parameter.value_of[v])
+      return false;
+  return true;
+}
+
 }  // namespace
 
 Varied variedParameters(const Plan& plan, std::size_t most_values) {
@@ -45,17 +55,23 @@ Varied variedParameters(const Plan& plan, std::size_t most_values) {
   return varied;
 }
 
+std::vector<std::size_t> labelParameters(const Varied& varied) {
+  std::vector<std::size_t> parameters;
+  for (std::size_t p = 0; p < varied.parameters.size(); ++p)
+    if (!varied.hasShown() || !follows(varied.parameters[p], varied.parameters[varied.shown]))
+      parameters.push_back(p);
+  return parameters;
+}
+
 std::string shortLabel(const Plan& plan, const Varied& varied, std::size_t variant) {
-  std::string label;
-  for (std::size_t p = 0; p < varied.parameters.size(); ++p) {
-    if (p == varied.shown) continue;
+  const auto valueOf = [&](std::size_t p) {
     const VariedParameter& parameter = varied.parameters[p];
-    label += (label.empty() ? "" : " · ") + parameter.values[parameter.value_of[variant]];
-  }
+    return parameter.values[parameter.value_of[variant]];
+  };
+  std::string label;
+  for (const std::size_t p : labelParameters(varied)) label += (label.empty() ? "" : " · ") + valueOf(p);
   if (!label.empty()) return label;
-  return varied.hasShown()
-             ? varied.parameters[varied.shown].values[varied.parameters[varied.shown].value_of[variant]]
-             : plan.variants[variant].name;
+  return varied.hasShown() ? valueOf(varied.shown) : plan.variants[variant].name;
 }
 
 std::string groupText(const Plan& plan, const Varied& varied, const std::vector<std::size_t>& group) {

@@ -26,8 +26,11 @@ struct Varied {
 // `most_values` is how many can be told apart.
 Varied variedParameters(const Plan& plan, std::size_t most_values);
 
-// Values of all varied parameters but the one that is shown, joined by " · ": "4 · 0.1". The variant's own
-// name if it would be empty and nothing is shown.
+// Indices of those that labels name: all but the shown one and those that go with it.
+std::vector<std::size_t> labelParameters(const Varied& varied);
+
+// Their values of a variant, joined by " · ": "4 · 0.1". If there are none, the value of the shown one, else
+// the variant's name.
 std::string shortLabel(const Plan& plan, const Varied& varied, std::size_t variant);
 
 // What a group of variants has in common and the others do not all have: "transfer.order=4"; "all" for all of

@@ -125,7 +125,7 @@ Plan planOf(const std::vector<formats::Json>& parameters) {
 
 TEST(Varied, TextParametersAreShownAndTheOthersLabel) {
   const Plan plan = planOf({{{"t.order", 2}, {"p.storage", "full"}, {"p.same", 1}, {"t.albedo", {1, 1, 1}}},
-                            {{"t.order", 3}, {"p.storage", "full"}, {"p.same", 1}, {"t.albedo", {1, 1, 1}}},
+                            {{"t.order", 3}, {"p.storage", "full"}, {"p.same", 1}, {"t.albedo", {0, 1, 1}}},
                             {{"t.order", 3}, {"p.storage", "cpca"}, {"p.same", 1}, {"t.albedo", {0, 1, 1}}},
                             {{"t.order", 4}, {"p.same", 1}, {"t.albedo", {0, 1, 1}}}});
   const Varied varied = variedParameters(plan, 7);
@@ -134,10 +134,21 @@ TEST(Varied, TextParametersAreShownAndTheOthersLabel) {
   EXPECT_EQ(varied.parameters[varied.shown].name, "p.storage");
   EXPECT_EQ(varied.parameters[varied.shown].values, (std::vector<std::string>{"full", "cpca", "–"}));
   EXPECT_EQ(shortLabel(plan, varied, 2), "[0,1,1] · 3");
-  EXPECT_EQ(groupText(plan, varied, {0, 1}), "p.storage=full, t.albedo=[1,1,1]");
-  EXPECT_EQ(groupText(plan, varied, {1, 2}), "t.order=3");
+  EXPECT_EQ(groupText(plan, varied, {0, 1}), "p.storage=full");
+  EXPECT_EQ(groupText(plan, varied, {1, 2}), "t.albedo=[0,1,1], t.order=3");
   EXPECT_EQ(groupText(plan, varied, {0, 1, 2, 3}), "all");
   EXPECT_EQ(groupText(plan, varied, {0, 3}), plan.variants[0].name + ", " + plan.variants[3].name);
+}
+
+// A setting that comes with another one, as shadowed transport with visibility, says nothing new.
+TEST(Varied, LabelsLeaveOutWhatGoesWithTheShownParameter) {
+  const Plan plan = planOf({{{"order", 2}, {"storage", "a"}, {"transport", "x"}},
+                            {{"order", 3}, {"storage", "b"}, {"transport", "y"}},
+                            {{"order", 2}, {"storage", "b"}, {"transport", "y"}},
+                            {{"order", 3}, {"storage", "c"}, {"transport", "x"}}});
+  const Varied varied = variedParameters(plan, 7);
+  EXPECT_EQ(varied.parameters[varied.shown].name, "storage");
+  EXPECT_EQ(shortLabel(plan, varied, 1), "3");
 }
 
 TEST(Varied, NumbersAreShownWhereThereIsNoText) {
