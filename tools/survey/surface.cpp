@@ -67,9 +67,10 @@ Vec3 Surface::across(std::uint32_t triangle) const {
 }
 
 SurfacePoint Surface::pointOn(std::uint32_t triangle, double u, double v, bool back) const {
-  const auto& [a, b, c] = mesh_.triangles[triangle];
+  const Triangle& corners = mesh_.triangles[triangle];
   const auto interpolated = [&](const std::vector<formats::Float3>& values) -> Vec3 {
-    return (1 - u - v) * vec3(values[a]) + u * vec3(values[b]) + v * vec3(values[c]);
+    return (1 - u - v) * vec3(values[corners[0]]) + u * vec3(values[corners[1]]) +
+           v * vec3(values[corners[2]]);
   };
   SurfacePoint point;
   point.normal = across(triangle).normalized() * (back ? -1 : 1);

@@ -81,9 +81,11 @@ class Sampler {
     const double u = random.next(), v = random.next();
     const SurfacePoint point = surface_.pointAt(along, u, v);
     transport::RayBundle rays(kDirections);
-    for (int i = 0; i < kDirections; ++i)
-      rays.set(i, float3(cosineDirection(point.normal, (i / kStrata + random.next()) / kStrata,
-                                         (i % kStrata + random.next()) / kStrata)));
+    for (int i = 0; i < kDirections; ++i) {
+      const int row = i / kStrata, column = i % kStrata;
+      const double x = (row + random.next()) / kStrata, y = (column + random.next()) / kStrata;
+      rays.set(i, float3(cosineDirection(point.normal, x, y)));
+    }
     transport::HitBundle hits(kDirections);
     scene_.nearestHits(float3(point.origin), rays, 0, kDirections, hits);
 
