@@ -21,7 +21,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Of a sample from a strategy of density `own`, against one other.
 double powerHeuristic(double own, double other) {
   if (!(own > 0)) return 0;
-  if (std::isinf(own)) return 1;
   const double ratio = other / own;
   return 1 / (1 + ratio * ratio);
 }
@@ -75,36 +74,31 @@ Rgb PathTracer::directLight(const Vertex& vertex, const Bsdf& bsdf, std::uint64_
     const double share = powerHeuristic(incident.density_per_sr, bsdf.densityPerSr(direction));
     add(direction, kInfinity, bsdf.value(direction) * incident.radiance * (share / incident.density_per_sr));
   }
-  if (scene_.emitters().isLit()) {
-    const auto [across, along] = vertex.pair(kEmitter);
-    const EmitterSampler::Sample emitter = scene_.emitters().sample(across, along);
-    const Vec3 offset = emitter.position - origin;
-    const double distance = offset.norm();
-    const Vec3 towards = offset / distance;
-    const double density = scene_.emitters().densityPerSr(emitter.triangle, towards, distance);
-    if (distance > 0 && std::isfinite(density))
-      add(towards, distance * (1 - kEmitterMargin),
-          bsdf.value(towards) * scene_.emitters().radiance(emitter.triangle) *
-              (powerHeuristic(density, bsdf.densityPerSr(towards)) / density));
+  const auto [across, along] = vertex.pair(kEmitter);
+  const auto emitter = scene_.emitters().sample(origin, vertex.point.normal, across, along);
+  if (emitter.density_per_sr > 0) {
+    const double share = powerHeuristic(emitter.density_per_sr, bsdf.densityPerSr(emitter.direction));
+    add(emitter.direction, emitter.distance * (1 - kEmitterMargin),
+        bsdf.value(emitter.direction) * scene_.emitters().radiance(emitter.triangle) *
+            (share / emitter.density_per_sr));
   }
   return light;
 }
 
 // What the ray of a reflection sample brings from a light, weighed against sampling that light.
-Rgb PathTracer::emittedTowards(const Vec3& normal, const Bsdf::Sample& sample,
+Rgb PathTracer::emittedTowards(const ShadingPoint& point, const Bsdf::Sample& sample,
                                const transport::Hit& hit) const {
-  const bool both_strategies = options_.integrator == Integrator::kMis && sample.density_per_sr > 0;
-  const auto share = [&](double light_density) {
-    return both_strategies ? powerHeuristic(sample.density_per_sr, light_density) : 1.0;
-  };
+  const bool weighed = options_.integrator == Integrator::kMis && sample.density_per_sr > 0;
   if (!hit.valid) {
-    if (!both_strategies) return scene_.distantLight().radiance(sample.incoming);
-    const auto incident = scene_.distantLight().towards(sample.incoming, normal);
-    return share(incident.density_per_sr) * incident.radiance;
+    if (!weighed) return scene_.distantLight().radiance(sample.incoming);
+    const auto incident = scene_.distantLight().towards(sample.incoming, point.normal);
+    return powerHeuristic(sample.density_per_sr, incident.density_per_sr) * incident.radiance;
   }
   const std::uint32_t triangle = scene_.emitterTriangle(hit.triangle);
-  const double density = scene_.emitters().densityPerSr(triangle, sample.incoming, hit.distance);
-  return share(density) * scene_.emitters().radiance(triangle);
+  if (!weighed) return scene_.emitters().radiance(triangle);
+  const double density =
+      scene_.emitters().densityPerSr(point.origin, point.normal, triangle, sample.incoming, hit.distance);
+  return powerHeuristic(sample.density_per_sr, density) * scene_.emitters().radiance(triangle);
 }
 
 Rgb PathTracer::exitRadiance(const ShadingPoint& point, const Vec3& outgoing, const SampleOfBatch& sample,
@@ -131,7 +125,7 @@ Rgb PathTracer::exitRadiance(const ShadingPoint& point, const Vec3& outgoing, co
     ++rays;
     const transport::Hit hit = nextHit(vertex.point.origin, next.incoming);
     if (!hit.valid || scene_.isEmitter(hit.triangle))
-      return radiance + throughput * emittedTowards(vertex.point.normal, next, hit);
+      return radiance + throughput * emittedTowards(vertex.point, next, hit);
     if (vertex.depth == last_depth) return radiance;
 
     if (vertex.depth >= kBouncesBeforeRoulette) {

@@ -48,7 +48,7 @@ class PathTracer {
  private:
   struct Vertex;
   Rgb directLight(const Vertex& vertex, const Bsdf& bsdf, std::uint64_t& rays) const;
-  Rgb emittedTowards(const Vec3& normal, const Bsdf::Sample& sample, const transport::Hit& hit) const;
+  Rgb emittedTowards(const ShadingPoint& point, const Bsdf::Sample& sample, const transport::Hit& hit) const;
   bool blocked(const Vec3& origin, const Vec3& direction, double distance) const;
   transport::Hit nextHit(const Vec3& origin, const Vec3& direction) const;
 

@@ -206,5 +206,44 @@ TEST(Emitters, HideTheSkyAndSurroundWithTheirOwnLight) {
     }
 }
 
+// Many clusters, some of them below the horizon or dark, give what directions over the hemisphere find.
+TEST(Emitters, ManyAgreeWithDirectionsOverTheHemisphere) {
+  formats::LightRig rig;
+  for (const auto& [position, radiance] : {std::pair(Float3{0.9f, 0.8f, 0}, 3.0f),
+                                           {Float3{-0.7f, -0.9f, 0.3f}, 9.0f},
+                                           {Float3{0, 0.9f, 0.9f}, 0.0f},
+                                           {Float3{-1, 0.1f, -0.6f}, 5.0f}}) {
+    formats::Emitter sphere;
+    sphere.shape = formats::Emitter::Shape::kSphere;
+    sphere.position = position;
+    sphere.radius = 0.35;
+    sphere.radiance = {radiance, radiance, radiance};
+    rig.emitters.push_back(sphere);
+  }
+  const Scene scene = sceneOf(packOf(floorSquare(1), 0.7f), rig);
+  transport::Hit hit;
+  hit.valid = true;
+  hit.u = hit.v = 0.25f;
+  const ShadingPoint point = scene.pointAt(hit);
+  const auto mis = estimate(scene, {}, point, point.normal, 128);
+  const auto uniform = estimate(scene, {.integrator = Integrator::kUniform}, point, point.normal, 1024, 1);
+  EXPECT_NEAR(mis.luminance(), uniform.luminance(),
+              3.5 * std::sqrt(mis.luminanceVariance() + uniform.luminanceVariance()));
+  EXPECT_LT(standardError(mis), 0.03 * mis.luminance());
+  EXPECT_LT(standardError(uniform), 0.05 * mis.luminance());
+
+  // Each sample says of itself what densityPerSr says, and none is drawn of what does not shine.
+  const transport::StratifiedBatch batch(1, 2, 3);
+  for (int s = 0; s < 16; ++s) {
+    const auto [u, v] = batch.pair(s, 0);
+    const auto sample = scene.emitters().sample(point.origin, point.normal, u, v);
+    ASSERT_GT(sample.density_per_sr, 0);
+    EXPECT_GT(scene.emitters().radiance(sample.triangle)[0], 0);
+    EXPECT_NEAR(scene.emitters().densityPerSr(point.origin, point.normal, sample.triangle, sample.direction,
+                                              sample.distance),
+                sample.density_per_sr, 1e-9 * sample.density_per_sr);
+  }
+}
+
 }  // namespace
 }  // namespace bakelight::tests
