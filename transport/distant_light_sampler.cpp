@@ -43,8 +43,8 @@ int indexOf(const Vec3& normal) {
 
 // `across` and `down` in [0, 1] within the cell.
 Vec3 directionIn(int cell, double across, double down) {
-  const double x = 2 * (cell % kResolution + across) / kResolution - 1;
-  const double y = 2 * (cell / kResolution + down) / kResolution - 1;
+  const int column = cell % kResolution, row = cell / kResolution;
+  const double x = 2 * (column + across) / kResolution - 1, y = 2 * (row + down) / kResolution - 1;
   const double z = 1 - std::abs(x) - std::abs(y);
   if (z >= 0) return Vec3(x, y, z).normalized();
   return Vec3(std::copysign(1 - std::abs(y), x), std::copysign(1 - std::abs(x), y), z).normalized();

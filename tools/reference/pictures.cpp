@@ -92,11 +92,11 @@ class PixelTracer {
     thread_local transport::HitBundle hits(kSize);
     std::array<Vec3, kSize> directions;
     const auto width = static_cast<std::size_t>(view_.width_px);
+    const std::size_t column = index % width, row = index / width;
     for (std::size_t s = 0; s < kSize; ++s) {
       const auto [x, y] = batch.pair(static_cast<int>(s), kPixelDimension);
-      directions[s] = view_.camera.directionThrough(static_cast<double>(index % width) + x,
-                                                    static_cast<double>(index / width) + y, view_.width_px,
-                                                    view_.height_px);
+      directions[s] = view_.camera.directionThrough(
+          static_cast<double>(column) + x, static_cast<double>(row) + y, view_.width_px, view_.height_px);
       bundle.set(s, float3(directions[s]));
     }
     if (covered_[index] != 0) {
