@@ -29,7 +29,7 @@ struct Outcome {
 
 Outcome shell(const std::string& command) {
   Outcome outcome;
-  FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
+  FILE* pipe = ::popen(std::string(command).append("2>&1").c_str(), "r");
   std::array<char, 4096> block{};
   while (const std::size_t got = std::fread(block.data(), 1, block.size(), pipe))
     outcome.output.append(block.data(), got);
@@ -56,8 +56,12 @@ class BrokenStage : public testing::Test {
   }
 
   Outcome baseline(const std::string& action, const fs::path& tools) {
-    return shell("'" + (kBin / "bakelight").string() + "' baseline " + action + " '" + asset_.string() +
-                 "' --out '" + (folder_ / "out").string() + "' --tools '" + tools.string() + "'");
+    std::string command;
+    for (const std::string& word :
+         {(kBin / "bakelight").string(), std::string("baseline"), action, asset_.string(),
+          std::string("--out"), (folder_ / "out").string(), std::string("--tools"), tools.string()})
+      command.append("'").append(word).append("' ");
+    return shell(command);
   }
 
   Outcome checkWithBroken(const std::string& kind) {
