@@ -163,6 +163,7 @@ void writeExr(const std::filesystem::path& path, const Image& image, ExrPrecisio
   OIIO::ImageSpec spec = specOf(image, type);
   spec["compression"] = "zip";
   // OpenImageIO adds the date of today unless there is one already; a number it does not write at all.
+  OIIO::attribute("debug", 0);  // would tell on standard output that DateTime is no text
   spec["DateTime"] = 0;
   for (const auto& [key, value] : metadata) spec.attribute(key, value);
   writeFileAtomically(path, std::as_bytes(std::span<const unsigned char>(

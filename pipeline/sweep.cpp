@@ -129,7 +129,7 @@ class Planner {
     problems_.throwIfAny();
     planViews();
     for (const View& view : sweep_.views)
-      sweep_.truths.push_back(referenceTask(truth_, how_.truth(), view, true));
+      sweep_.truths.push_back(referenceTask(truth_, how_.truth(), view, {}, truth_));
     for (std::size_t i = 0; i < sweep_.variants.size(); ++i) addPictures(i);
     problems_.throwIfAny();
     return std::move(sweep_);
@@ -287,21 +287,24 @@ class Planner {
   }
 
   // A path-traced picture of the pack of the asset `scene`; `link`'s parameters that are "same_as" another
-  // are those of `values_of`.
-  TaskIndex referenceTask(std::size_t scene, const ReportRecipe::Link& link, const View& view, bool published,
-                          std::optional<std::size_t> values_of = {}) {
+  // are those of `values_of`. Its camera is that of the reference `truth`, as another mesh would be framed
+  // otherwise; without one, `scene` is the truth.
+  TaskIndex referenceTask(std::size_t scene, const ReportRecipe::Link& link, const View& view,
+                          std::optional<TaskIndex> truth, std::size_t values_of) {
     Task task{.asset = scene, .stage = view.name, .tool = kReferenceTool};
     task.inputs["pack"] = {.maker = tasks_.at({scene, pack_.stage}), .port = pack_.port};
     if (!view.environment.empty())
       task.inputs["environment"] = {.port = "environment", .file = view.environment};
     if (!view.lights.empty()) task.inputs["lights"] = {.port = "lights", .file = view.lights};
+    if (truth) task.inputs["framing"] = {.maker = truth, .port = "image"};
     task.outputs["image"] = kReferenceFile;
-    task.parameters = referenceParameters(link, view, values_of.value_or(scene));
-    task.published = published;
-    const std::string key = std::to_string(scene) + view.name + task.parameters.dump();
+    task.parameters = referenceParameters(link, view, values_of);
+    task.published = !truth;
+    const std::string key =
+        std::to_string(scene) + view.name + (truth ? "" : " truth") + task.parameters.dump();
     const auto [known, is_new] = references_.emplace(key, sweep_.graph.tasks.size());
     if (is_new) {
-      if (!published) task.stage = unusedStageName(scene, view.name + " (" + link.cause + ")");
+      if (truth) task.stage = unusedStageName(scene, view.name + " (" + link.cause + ")");
       sweep_.graph.tasks.push_back(std::move(task));
     }
     return known->second;
@@ -334,8 +337,9 @@ class Planner {
       Link link{.cause = chain_[i].cause, .references = {}};
       const std::size_t asset = kept_[wanted.links[i]];
       if (chain_[i].reference)
-        for (const View& view : sweep_.views)
-          link.references.push_back(referenceTask(asset, chain_[i], view, false, values_of));
+        for (std::size_t view = 0; view < sweep_.views.size(); ++view)
+          link.references.push_back(
+              referenceTask(asset, chain_[i], sweep_.views[view], sweep_.truths[view], values_of));
       else
         link.pack = tasks_.at({asset, pack_.stage});
       swept.chain.push_back(std::move(link));

@@ -40,7 +40,7 @@ struct Survey {
 };
 
 // Concavities up to this count as none: no ray is traced then, and nothing is estimated.
-inline constexpr double kConvex = 1e-6;
+inline constexpr double kConvex = 1e-5;
 inline constexpr int kDirections = 64;
 
 // The mesh as it is tessellated: directions are about the triangles' own normals, as directions that lie

@@ -88,11 +88,13 @@ class SweepTest : public testing::Test, public BuildObserver {
                                    {port("image", "image")}, {integer("width", 640)}),
                               joined("image"),
                               {{"frame_ms", 4}}});
-    runner.install("reference",
-                   {tool("reference", {port("pack", "pack"), port("environment", "image", false)},
-                         {port("image", "image")},
-                         {integer("width", 640), integer("yaw_deg", 0), text("transport", "full")}),
-                    joined("image")});
+    runner.install(
+        "reference",
+        {tool("reference",
+              {port("pack", "pack"), port("environment", "image", false), port("framing", "image", false)},
+              {port("image", "image")},
+              {integer("width", 640), integer("yaw_deg", 0), text("transport", "full")}),
+         joined("image")});
   }
 
   Sweep plan(const SweepOptions& options = {}) {
@@ -159,7 +161,9 @@ TEST_F(SweepTest, LinksDifferFromTheVariantInOneRespect) {
   const Task& traced = sweep.graph.tasks[variant.chain[0].references[0]];
   EXPECT_EQ(traced.parameters.at("transport"), "all") << "the variant's, not that of the scene's cheap pack";
   EXPECT_EQ(transferOf(*traced.inputs.at("pack").maker).at("order"), 1);
+  EXPECT_EQ(traced.inputs.at("framing").maker, sweep.truths[0]) << "seen by the truth's camera";
   const Task& truth = sweep.graph.tasks[sweep.truths[0]];
+  EXPECT_EQ(truth.inputs.count("framing"), 0u);
   EXPECT_EQ(truth.parameters.at("transport"), "full");
   EXPECT_EQ(truth.parameters.at("width"), 64);
 }
