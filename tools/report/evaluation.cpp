@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "formats/error.h"
+#include "tools/report/text.h"
 #include "transport/color.h"
 #include "transport/sh.h"
 
@@ -63,6 +64,20 @@ formats::Image displayed(const Picture& picture, double exposure) {
   return display;
 }
 
+// What every variant of one scene has alike, whatever its mesh and tables.
+std::string appearanceOf(const formats::Pack& pack) {
+  const auto textOf = [](const formats::Float3& color) {
+    return numberText(color[0]) + ' ' + numberText(color[1]) + ' ' + numberText(color[2]);
+  };
+  const formats::GlossyMaterial& material = pack.transfer.material;
+  std::string text = "the base colour " + textOf(pack.base_color) + " and the lobe " + nameOf(material.model);
+  if (material.model == formats::LobeModel::kPhong || material.model == formats::LobeModel::kGgx)
+    text += " of the specular colour " + textOf(material.specular_color) + " and the " +
+            (material.model == formats::LobeModel::kGgx ? "roughness " + numberText(material.roughness)
+                                                        : "exponent " + numberText(material.exponent));
+  return text;
+}
+
 std::vector<std::size_t> frontOf(const std::vector<VariantFigures>& variants,
                                  const std::function<double(const VariantFigures&)>& cost) {
   std::vector<CostAndError> points;
@@ -117,7 +132,7 @@ Evaluation Evaluator::evaluate(int rounds, const std::function<void()>& advanced
     evaluation.variants.push_back(std::move(figures));
     advanced();
   }
-  measureTimes(rounds, evaluation.variants, advanced);
+  measureTimes(rounds, evaluation, advanced);
   const auto& variants = evaluation.variants;
   evaluation.fronts.frame_ms = frontOf(variants, [](const VariantFigures& v) { return v.frame_ms(); });
   evaluation.fronts.bytes =
@@ -199,8 +214,8 @@ double Evaluator::flip(const Picture& picture, std::size_t view, std::size_t& pi
 }
 
 // Every round turns the light and moves the eye, as a player's user does.
-void Evaluator::measureTimes(int rounds, std::vector<VariantFigures>& variants,
-                             const std::function<void()>& advanced) {
+void Evaluator::measureTimes(int rounds, Evaluation& evaluation, const std::function<void()>& advanced) {
+  std::vector<VariantFigures>& variants = evaluation.variants;
   struct Candidate {
     transport::PackEvaluator evaluator;
     Renderer::Conditions conditions;
@@ -208,9 +223,15 @@ void Evaluator::measureTimes(int rounds, std::vector<VariantFigures>& variants,
   };
   std::vector<std::unique_ptr<Candidate>> candidates;
   std::vector<Measurement> measurements;
+  std::string first_scene;
   for (std::size_t v = 0; v < variants.size(); ++v) {
     const formats::Pack pack = sources_.pack(plan_.variants[v].pack.path);
     variants[v].vertices = pack.mesh.vertexCount();
+    if (v == 0) first_scene = appearanceOf(pack);
+    if (appearanceOf(pack) != first_scene)
+      evaluation.warnings.push_back("the variant " + plan_.variants[v].name + " has " + appearanceOf(pack) +
+                                    ", where " + plan_.variants[0].name + " has " + first_scene +
+                                    ": they cannot both show the scene of the references");
     candidates.push_back(std::make_unique<Candidate>(
         Candidate{transport::PackEvaluator(pack), renderer_->conditions(pack, 0), pack.transfer.order}));
     measurements.push_back([candidate = candidates.back().get()](int round) {

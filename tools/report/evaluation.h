@@ -50,6 +50,7 @@ struct Evaluation {
   std::vector<double> noise;             // a view: standard error of the reference, relative to its rms
   std::vector<VariantFigures> variants;  // as in the plan
   Fronts fronts;
+  std::vector<std::string> warnings;  // variants that do not show the scene of the first one
 };
 
 // Holds the references of the plan and makes pictures to compare with them. Plan and sources must outlive it.
@@ -74,7 +75,7 @@ class Evaluator {
   void measureErrors(const PlanVariant& variant, VariantFigures& figures);
   void measureCauses(const PlanVariant& variant, VariantFigures& figures);
   double flip(const Picture& picture, std::size_t view, std::size_t& pixels) const;
-  void measureTimes(int rounds, std::vector<VariantFigures>& variants, const std::function<void()>& advanced);
+  void measureTimes(int rounds, Evaluation& evaluation, const std::function<void()>& advanced);
 
   const Plan& plan_;
   const Sources& sources_;
