@@ -256,7 +256,7 @@ class AssetStages {
       });
   }
 
-  static void applySetting(const ToolDescription& tool, const Setting& setting, Json& values) {
+  void applySetting(const ToolDescription& tool, const Setting& setting, Json& values) {
     const auto* parameter = tool.findParameter(setting.parameter);
     const bool is_text = parameter != nullptr && parameter->type == formats::ParameterType::kText;
     Json value = is_text ? Json(setting.value) : Json::parse(setting.value, nullptr, false);
@@ -265,9 +265,19 @@ class AssetStages {
       values.update(formats::checkParameters(tool, {{setting.parameter, value}}, {setting.option, "", ""}));
     } catch (const Error& error) {
       // The same words as for a file, but it is the command line that is wrong.
+      const std::string elsewhere = parameter == nullptr ? stageWith(setting.parameter) : "";
       throw Error(ExitStatus::kUsage, {setting.option, "", ""}, error.problem(), error.expected(),
-                  error.remedy());
+                  elsewhere.empty() ? error.remedy() : "write " + elsewhere + "." + setting.parameter);
     }
+  }
+
+  // The first stage whose tool has a parameter of that name, "" if none has.
+  std::string stageWith(const std::string& parameter) {
+    for (const auto& [name, stage] : recipe_.stages)
+      if (tools_.has(stage.tool) &&
+          tools_.require(stage.tool, {}).description.findParameter(parameter) != nullptr)
+        return name;
+    return "";
   }
 
   Graph& graph_;

@@ -1,15 +1,13 @@
 // Mistakes that a stage's code could have, put there on purpose: `bakelight baseline check` names the stage.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <fstream>
 
 #include "formats/mesh_ply.h"
 #include "tests/e2e/broken_tools.h"
 #include "tests/support/shapes.h"
+#include "tests/support/shell.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bakelight::tests {
@@ -21,22 +19,6 @@ using testing::HasSubstr;
 
 const fs::path kBin = BAKELIGHT_BIN_DIR;
 const fs::path kBrokenStage = kBin.parent_path() / "tests/broken_stage";
-
-struct Outcome {
-  int status = -1;
-  std::string output;  // standard output and error
-};
-
-Outcome shell(const std::string& command) {
-  Outcome outcome;
-  FILE* pipe = ::popen(std::string(command).append("2>&1").c_str(), "r");
-  std::array<char, 4096> block{};
-  while (const std::size_t got = std::fread(block.data(), 1, block.size(), pipe))
-    outcome.output.append(block.data(), got);
-  const int status = ::pclose(pipe);
-  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
-}
 
 // Two bodies that shade and light each other, in no symmetric position.
 TriangleMesh bodies() {
@@ -51,11 +33,11 @@ class BrokenStage : public testing::Test {
     formats::writePly(asset_ / "bodies.ply", bodies());
     std::ofstream(asset_ / "asset.json")
         << R"({ "mesh": "bodies.ply", "deliver": ["pack"], "recipe": ")" << recipe << "\" }";
-    const Outcome saved = baseline("save", kBin);
+    const ShellOutcome saved = baseline("save", kBin);
     ASSERT_EQ(saved.status, 0) << saved.output;
   }
 
-  Outcome baseline(const std::string& action, const fs::path& tools) {
+  ShellOutcome baseline(const std::string& action, const fs::path& tools) {
     std::string command;
     for (const std::string& word :
          {(kBin / "bakelight").string(), std::string("baseline"), action, asset_.string(),
@@ -64,14 +46,14 @@ class BrokenStage : public testing::Test {
     return shell(command);
   }
 
-  Outcome checkWithBroken(const std::string& kind) {
+  ShellOutcome checkWithBroken(const std::string& kind) {
     const fs::path tools = folder_ / kind;
     makeBrokenTools(tools, kBin, kBrokenStage, kind);
     return baseline("check", tools);
   }
 
   void expectCaught(const std::string& kind) {
-    const Outcome checked = checkWithBroken(kind);
+    const ShellOutcome checked = checkWithBroken(kind);
     EXPECT_EQ(checked.status, 1) << checked.output;
     EXPECT_THAT(checked.output, ContainsRegex("transfer +transfer +tensors +tensor [^\n]*DIFFERS\n"));
     EXPECT_THAT(checked.output, ContainsRegex("pack +pack +pack +[^\n]*DIFFERS\n"));  // made from it
@@ -79,7 +61,7 @@ class BrokenStage : public testing::Test {
   }
 
   void expectGoodToolsPass() {
-    const Outcome checked = baseline("check", kBin);
+    const ShellOutcome checked = baseline("check", kBin);
     EXPECT_EQ(checked.status, 0) << checked.output;
     EXPECT_THAT(checked.output, HasSubstr("outputs are as in the baseline"));
     EXPECT_THAT(checked.output, testing::Not(HasSubstr("DIFFERS")));
@@ -113,14 +95,14 @@ TEST_F(BrokenStage, WrappedToolThatIsNotBrokenPasses) {
   ASSERT_NO_FATAL_FAILURE(bakeAndSave("prt"));
   const fs::path tools = folder_ / "whole";
   makeBrokenTools(tools, kBin, "/usr/bin/env", "--");
-  const Outcome checked = baseline("check", tools);
+  const ShellOutcome checked = baseline("check", tools);
   EXPECT_EQ(checked.status, 0) << checked.output;
 }
 
 TEST_F(BrokenStage, MissingBaselineIsBadInput) {
   ASSERT_NO_FATAL_FAILURE(bakeAndSave("prt"));
   fs::remove(asset_ / "baseline/baseline.json");
-  const Outcome checked = baseline("check", kBin);
+  const ShellOutcome checked = baseline("check", kBin);
   EXPECT_EQ(checked.status, 2) << checked.output;
   EXPECT_THAT(checked.output, HasSubstr("is no baseline"));
 }

@@ -131,6 +131,12 @@ TEST(Graph, SettingsAreCheckedAndNamed) {
   EXPECT_EQ(parseSetting("pack.name=a.b=c").value, "a.b=c");
 }
 
+TEST(Graph, AParameterOfAnotherStageIsSuggested) {
+  Workshop workshop;
+  workshop.options.settings = {parseSetting("pack.order=4")};
+  EXPECT_THAT(workshop.problems(), testing::ElementsAre(testing::HasSubstr("write transfer.order")));
+}
+
 TEST(Graph, SettingsWinOverAssetAndAssetOverRecipe) {
   Workshop workshop;
   workshop.writeAssetFile("cube", {{"mesh", "cube.obj"},
