@@ -61,6 +61,7 @@ validate: pipeline ## Check the pack with the Khronos glTF validator and assimp
 	@scripts/validate-pack $(OUT)/bunny/bunny.glb
 
 pictures: tools assets ## Make the pictures of the docs into docs/images/
+	@scripts/system-packages browser
 	@scripts/make-pictures $(BUILD)/bin docs/images
 
 golden-update: build ## Renew the golden outputs of one stage test: make golden-update CASE=name

@@ -155,7 +155,7 @@ class Planner {
     asset.settings = options_.settings;
     asset.settings.insert(asset.settings.end(), settings.begin(), settings.end());
     asset.keep_all = asset.keep_all || keep_all;
-    asset.budget = {};
+    asset.budget = asset.choice = {};
     std::vector<std::string> deliver;
     for (const auto& [deliverable, wire] : recipe_.deliverables)
       if (wire.text() == pack_.text() || (with_frame && wire.stage == how_.frameStage()))

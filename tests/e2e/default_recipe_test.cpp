@@ -125,8 +125,11 @@ TEST_F(DefaultRecipe, SecondRunAndTouchDoNothing) {
   EXPECT_THAT(second.output, testing::HasSubstr("up to date"));
   ASSERT_EQ(shell({"touch", quoted(kData / "models/bunny.obj"), quoted(kBunny / "asset.json")}).status, 0);
   EXPECT_THAT(driver_->run(kBunny).output, testing::HasSubstr("up to date"));
-  EXPECT_EQ(driver_->statuses("bunny"),
-            Json({{"simplify", "cached"}, {"transfer", "cached"}, {"pack", "cached"}, {"frame", "cached"}}));
+  EXPECT_EQ(driver_->statuses("bunny"), Json({{"simplify", "cached"},
+                                              {"survey", "cached"},
+                                              {"transfer", "cached"},
+                                              {"pack", "cached"},
+                                              {"frame", "cached"}}));
 }
 
 TEST_F(DefaultRecipe, ChangedOrderRunsTransferAndLaterOnly) {
@@ -135,8 +138,11 @@ TEST_F(DefaultRecipe, ChangedOrderRunsTransferAndLaterOnly) {
   const Outcome explained = driver.explain(kBunny, "--set transfer.order=4");
   EXPECT_THAT(explained.output, testing::HasSubstr("order changed from 5 to 4"));
   ASSERT_EQ(driver.run(kBunny, "--set transfer.order=4").status, 0);
-  EXPECT_EQ(driver.statuses("bunny"),
-            Json({{"simplify", "cached"}, {"transfer", "ran"}, {"pack", "ran"}, {"frame", "ran"}}));
+  EXPECT_EQ(driver.statuses("bunny"), Json({{"simplify", "cached"},
+                                            {"survey", "cached"},
+                                            {"transfer", "ran"},
+                                            {"pack", "ran"},
+                                            {"frame", "ran"}}));
   EXPECT_EQ(formats::readPack(driver.out() / "bunny/bunny.glb").transfer.order, 4);
   // Back to what was there before: from the cache.
   ASSERT_EQ(driver.run(kBunny).status, 0);
