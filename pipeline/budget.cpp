@@ -1,6 +1,9 @@
 #include "pipeline/budget.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <tuple>
 #include <vector>
@@ -41,22 +44,15 @@ double excess(const Measured& variant, const Budget& budget) {
   return factor;
 }
 
-std::string number(double value) {
-  std::string text(32, ' ');
-  text.resize(static_cast<std::size_t>(std::snprintf(text.data(), text.size(), "%.4g", value)));
-  return text;
-}
-
-std::string figures(const Measured& variant) {
-  return "error " + number(variant.error) + ", " + number(variant.frame_ms) + " ms a frame, " +
-         number(variant.bytes) + " bytes";
-}
-
 Json toJson(const Measured& variant) {
   return {{"name", variant.name},
           {"rel_rmse", variant.error},
           {"frame_ms", variant.frame_ms},
-          {"bytes", variant.bytes}};
+          {"bytes", static_cast<std::uint64_t>(variant.bytes)}};
+}
+
+std::string figures(const Measured& variant) {
+  return figuresText(toJson(variant));
 }
 
 class Chooser {
@@ -126,6 +122,14 @@ Json limitsOf(const Budget& budget) {
 }
 
 }  // namespace
+
+std::string figuresText(const Json& variant) {
+  std::array<char, 96> text{};
+  std::snprintf(text.data(), text.size(), "error %.3g, %.3g ms a frame, %.0f bytes",
+                variant.at("rel_rmse").get<double>(), variant.at("frame_ms").get<double>(),
+                variant.at("bytes").get<double>());
+  return text.data();
+}
 
 Budget parseBudget(const Json& json, const ErrorPlace& place) {
   Problems problems;

@@ -26,4 +26,7 @@ Budget parseBudget(const formats::Json& json, const ErrorPlace& place);
 // at `place` if no variant keeps the budget, with the one that comes nearest.
 formats::Json chooseVariant(const Budget& budget, const formats::Json& report, const ErrorPlace& place);
 
+// "error 0.021, 1.35 ms a frame, 5767440 bytes", of a variant of a report or of a neighbour.
+std::string figuresText(const formats::Json& variant);
+
 }  // namespace bakelight::pipeline

@@ -11,6 +11,7 @@
 
 #include "formats/error.h"
 #include "pipeline/baseline_command.h"
+#include "pipeline/budget.h"
 #include "pipeline/explain.h"
 #include "pipeline/graph.h"
 #include "pipeline/graph_export.h"
@@ -117,8 +118,7 @@ void tellFront(const formats::Json& report, const fs::path& folder) {
   for (const formats::Json& variant : report.at("variants")) {
     const formats::Json& front = report.at("pareto");
     if (std::find(front.begin(), front.end(), variant.at("name")) == front.end()) continue;
-    std::cout << "  " << variant.at("name").get<std::string>() << "  error " << variant.at("rel_rmse").dump()
-              << ", " << variant.at("frame_ms").dump() << " ms, " << variant.at("bytes").dump() << " bytes\n";
+    std::cout << "  " << variant.at("name").get<std::string>() << ": " << figuresText(variant) << '\n';
   }
   std::cout << "  " << (folder / "report.html").string() << '\n';
 }

@@ -70,9 +70,8 @@ void apply(const Json& choice, Asset& asset) {
 
 std::string neighbourText(const char* which, const Json& neighbour) {
   if (neighbour.is_null()) return std::string("; there is no ") + which + " one";
-  return std::string("; the next ") + which + " is " + neighbour.at("name").get<std::string>() +
-         " with error " + neighbour.at("rel_rmse").dump() + ", " + neighbour.at("frame_ms").dump() + " ms, " +
-         neighbour.at("bytes").dump() + " bytes";
+  return std::string("; the next ") + which + " is " + neighbour.at("name").get<std::string>() + " with " +
+         figuresText(neighbour);
 }
 
 }  // namespace
