@@ -5,10 +5,7 @@
 namespace bakelight::transport {
 
 GridDistribution::GridDistribution(int width, int height, std::span<const double> weights)
-    : width_(width),
-      height_(height),
-      rows_(height + 1),
-      columns_(static_cast<std::size_t>(height) * (width + 1)) {
+    : width_(width), rows_(height + 1), columns_(static_cast<std::size_t>(height) * (width + 1)) {
   const auto w = static_cast<std::size_t>(width), h = static_cast<std::size_t>(height);
   std::vector<double> row_weights(h);
   for (std::size_t y = 0; y < h; ++y)

@@ -26,7 +26,7 @@ class GridDistribution {
   Cell draw(double u, double v) const;
 
  private:
-  int width_, height_;
+  int width_;
   double total_;
   // Cumulative probabilities: of rows (height + 1), and within each row (height × (width + 1)).
   std::vector<double> rows_, columns_;
