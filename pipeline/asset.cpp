@@ -139,6 +139,7 @@ class Finder {
     problems_.attempt([&] {
       object.object("report");
       if (object.has("report")) asset.report = object.value("report");
+      object.object("report").allowKeys({"lights", "cameras", "vary"}, problems_);
       const JsonObject lights = object.object("report").object("lights");
       for (const std::string& name : lights.keys())
         problems_.attempt([&] { asset.report_lights[name] = fileNamed(lights, name, file.parent_path()); });

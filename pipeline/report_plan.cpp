@@ -104,7 +104,8 @@ class PlanWriter {
                              ? std::all_of(link.references.begin(), link.references.end(),
                                            [&](TaskIndex task) { return outcomes_[task].entry.has_value(); })
                              : outcomes_[link.pack].entry.has_value();
-      if (!there) continue;
+      // The next link would be charged with this one's cause, too: rather no causes than wrong ones.
+      if (!there) return Json::array();
       Json entry = {{"cause", link.cause}};
       for (const TaskIndex reference : link.references)
         entry["references"].push_back(made(reference, "image"));

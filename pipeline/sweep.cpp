@@ -67,6 +67,7 @@ class ReportRecipe {
   std::vector<Link> chain(Problems& problems) const {
     std::vector<Link> links;
     const Json list = valueOr("chain", Json::array());
+    if (!list.is_array()) throw badInput(object_.placeOf("chain"), "is no list", "a list of links");
     for (std::size_t i = 0; i < list.size(); ++i)
       problems.attempt([&] {
         const JsonObject entry(list[i], recipe_.file, "/report/chain/" + std::to_string(i));
@@ -166,8 +167,6 @@ class Planner {
   }
 
   void planVariants() {
-    const JsonObject own(base_.report, base_.file, "/report");
-    own.allowKeys({"lights", "cameras", "vary"}, problems_);
     const std::vector<Variant> variants = variantsOf(vary());
     chain_ = how_.chain(problems_);
     scene_ = how_.sceneSettings();
@@ -268,6 +267,20 @@ class Planner {
     return sweep_.graph.tasks[frame->second].parameters.value("windowing", 0.0);
   }
 
+  // Of { "same_as": "stage.parameter" }: the parameter's value in the asset `values_of`.
+  Json linkedValue(const Json& value, const std::string& element, std::size_t values_of) const {
+    const std::string from = value.contains("same_as") && value["same_as"].is_string()
+                                 ? value["same_as"].get<std::string>()
+                                 : std::string();
+    const std::size_t dot = std::min(from.find('.'), from.size());
+    const auto task = tasks_.find({values_of, from.substr(0, dot)});
+    const std::string parameter = from.substr(std::min(dot + 1, from.size()));
+    if (task == tasks_.end() || !sweep_.graph.tasks[task->second].parameters.contains(parameter))
+      throw badInput({recipe_.file, element, "/report"}, "there is no parameter \"" + from + "\"",
+                     "{ \"same_as\": \"stage.parameter\" }, of a stage of this recipe");
+    return sweep_.graph.tasks[task->second].parameters.at(parameter);
+  }
+
   Json referenceParameters(const ReportRecipe::Link& link, const View& view, std::size_t values_of) {
     Json given = view.frame;
     for (const auto& [name, value] : link.reference->items()) {
@@ -275,10 +288,7 @@ class Planner {
         given[name] = value;
         continue;
       }
-      const std::string from = value.value("same_as", "");
-      const std::size_t dot = from.find('.');
-      const Task& task = sweep_.graph.tasks.at(tasks_.at({values_of, from.substr(0, dot)}));
-      given[name] = task.parameters.at(from.substr(dot + 1));
+      given[name] = linkedValue(value, link.cause + ", " + name, values_of);
     }
     const InstalledTool& tool = tools_.require(kReferenceTool, {recipe_.file, "", "/report"});
     Json parameters = defaultParameters(tool.description);

@@ -68,7 +68,7 @@ Sweep planSweep(const Asset& asset, RecipeBook& recipes, Toolbox& tools, const S
                 Problems& problems);
 
 // What the tool `report` reads: every picture and pack by path and hash, and what each variant cost. Variants
-// that failed are listed with the reason; links that failed are left out of their chains.
+// that failed are listed with the reason; a chain with a failed link is empty.
 formats::Json reportPlan(const std::string& asset, const Sweep& sweep, const std::vector<Outcome>& outcomes,
                          Memo& memo);
 

@@ -1,9 +1,7 @@
 // What a user does: run the driver on the default asset, look at the picture, change something, make
 // mistakes.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -13,6 +11,7 @@
 #include "formats/mesh_import.h"
 #include "formats/pack.h"
 #include "tests/e2e/player_comparison.h"
+#include "tests/support/shell.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bakelight::tests {
@@ -26,24 +25,13 @@ const fs::path kSource = BAKELIGHT_SOURCE_DIR;
 const fs::path kData = kBin.parent_path() / "assets";
 const fs::path kBunny = kSource / "configs/assets/bunny";
 
-struct Outcome {
-  int status = -1;
-  std::string output;  // standard output and error, interleaved
-};
+using Outcome = ShellOutcome;
 
 // The words, joined by spaces, as a shell sees them.
 Outcome shell(const std::vector<std::string>& words) {
   std::string command;
   for (const auto& word : words) command.append(word).append(" ");
-  command.append("2>&1");
-  Outcome outcome;
-  FILE* pipe = ::popen(command.c_str(), "r");
-  std::array<char, 4096> block{};
-  while (const std::size_t got = std::fread(block.data(), 1, block.size(), pipe))
-    outcome.output.append(block.data(), got);
-  const int status = ::pclose(pipe);
-  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
+  return tests::shell(command);
 }
 
 std::string quoted(const fs::path& path) {

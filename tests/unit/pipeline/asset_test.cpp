@@ -101,6 +101,12 @@ TEST(Asset, UnknownKeysArePointedToWithTheNearestName) {
                                                      HasSubstr("\"environment\""))));
 }
 
+TEST(Asset, UnknownKeysOfTheReportArePointedTo) {
+  Workshop workshop;
+  workshop.writeAssetFile("cube", {{"mesh", "cube.obj"}, {"report", {{"varry", nlohmann::json::array()}}}});
+  EXPECT_THAT(workshop.problems(), testing::ElementsAre(testing::HasSubstr("/report/varry")));
+}
+
 TEST(Asset, AllMistakesAreReportedAtOnce) {
   Workshop workshop;
   workshop.writeAssetFile("cube", {{"mesh", "gone.obj"},

@@ -235,6 +235,30 @@ TEST_F(SweepTest, ThePlanNamesEveryPictureAndWhatItCost) {
               HasSubstr("reference.exr"));
 }
 
+TEST_F(SweepTest, MistakesInTheRecipesChainAreTold) {
+  for (const char* link : {"transfer.transprt", "transfr.transport", "transport", ""}) {
+    recipe_["report"]["chain"][0]["reference"]["transport"]["same_as"] = link;
+    RecipeBook fresh("recipes", workshop_.disk);
+    workshop_.disk.write("recipes/prt.json", recipe_.dump());
+    Problems problems;
+    const auto assets = findAssets({"assets/cube"}, "data", fresh, workshop_.disk, problems);
+    problems.attempt([&] { planSweep(assets.at(0), fresh, tools_, {}, problems); });
+    try {
+      problems.throwIfAny();
+      ADD_FAILURE() << "accepted \"" << link << '"';
+    } catch (const ProblemsFound& found) {
+      EXPECT_THAT(found.what(), HasSubstr("there is no parameter"));
+    }
+  }
+}
+
+TEST_F(SweepTest, AChainWithAFailedLinkTellsNoCauses) {
+  recipe_["report"]["chain"][1]["set"]["transfer"]["order"] = 9;  // which fails
+  const Json plan_json = reportPlanOf(plan());
+  ASSERT_EQ(plan_json.at("variants").size(), 2u);
+  EXPECT_TRUE(plan_json.at("variants")[0].at("chain").empty());
+}
+
 TEST_F(SweepTest, AVariantThatFailsIsListedAndTheOthersGoOn) {
   const Json plan_json = reportPlanOf(plan({.vary = {"transfer.order=2,9"}}));
   ASSERT_EQ(plan_json.at("variants").size(), 1u);
