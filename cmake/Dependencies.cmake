@@ -31,3 +31,12 @@ foreach(folder IN LISTS oiio_includes)
   endif()
 endforeach()
 set_target_properties(OpenImageIO::OpenImageIO PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${oiio_present}")
+
+# Last, as CGAL brings a FindOpenMesh of its own that hides OpenMesh's; and it would change the build type and
+# the flags of everything, where its target says all that is needed.
+set(CGAL_DO_NOT_WARN_ABOUT_CMAKE_BUILD_TYPE TRUE)
+set(flags_before "${CMAKE_CXX_FLAGS}")
+set(module_path_before "${CMAKE_MODULE_PATH}")
+find_package(CGAL REQUIRED)
+set(CMAKE_CXX_FLAGS "${flags_before}")
+set(CMAKE_MODULE_PATH "${module_path_before}")
