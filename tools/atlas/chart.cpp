@@ -28,6 +28,26 @@ std::size_t cornerAt(const Triangle& triangle, std::uint32_t place) {
   return triangle[0] == place ? 0 : triangle[1] == place ? 1 : 2;
 }
 
+template <class MayPass>
+std::vector<std::vector<std::uint32_t>> partsAcross(const Surface& surface, const MayPass& mayPass) {
+  std::vector<std::vector<std::uint32_t>> parts;
+  std::vector<std::uint8_t> seen(surface.triangleCount(), 0);
+  for (std::uint32_t first = 0; first < surface.triangleCount(); ++first) {
+    if (seen[first]) continue;
+    std::vector<std::uint32_t> part = {first};
+    seen[first] = 1;
+    for (std::size_t i = 0; i < part.size(); ++i)
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (!mayPass(part[i], k)) continue;
+        const std::int32_t other = surface.neighbors[part[i]][k];
+        if (std::exchange(seen[other], 1) == 0) part.push_back(static_cast<std::uint32_t>(other));
+      }
+    std::sort(part.begin(), part.end());
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
 }  // namespace
 
 Chart chartOf(const Surface& surface, std::span<const std::uint32_t> triangles) {
@@ -102,23 +122,16 @@ Chart chartOf(const Surface& surface, std::span<const std::uint32_t> triangles) 
 
 std::vector<std::vector<std::uint32_t>> connectedParts(const Surface& surface,
                                                        std::span<const std::int32_t> labels) {
-  std::vector<std::vector<std::uint32_t>> parts;
-  std::vector<std::uint8_t> seen(surface.triangleCount(), 0);
-  for (std::uint32_t first = 0; first < surface.triangleCount(); ++first) {
-    if (seen[first]) continue;
-    std::vector<std::uint32_t> part = {first};
-    seen[first] = 1;
-    for (std::size_t i = 0; i < part.size(); ++i)
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::int32_t other = surface.passable(part[i], k);
-        if (other < 0 || seen[other] || labels[other] != labels[first]) continue;
-        seen[other] = 1;
-        part.push_back(static_cast<std::uint32_t>(other));
-      }
-    std::sort(part.begin(), part.end());
-    parts.push_back(std::move(part));
-  }
-  return parts;
+  return partsAcross(surface, [&](std::uint32_t triangle, std::size_t k) {
+    const std::int32_t other = surface.passable(triangle, k);
+    return other >= 0 && labels[other] == labels[triangle];
+  });
+}
+
+std::vector<std::vector<std::uint32_t>> smoothParts(const Surface& surface) {
+  return partsAcross(surface, [&](std::uint32_t triangle, std::size_t k) {
+    return surface.neighbors[triangle][k] >= 0 && surface.marks[triangle][k] == EdgeMark::kNone;
+  });
 }
 
 }  // namespace bakelight::atlas

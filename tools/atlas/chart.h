@@ -39,5 +39,7 @@ Chart chartOf(const Surface& surface, std::span<const std::uint32_t> triangles);
 // Ordered by their first triangles.
 std::vector<std::vector<std::uint32_t>> connectedParts(const Surface& surface,
                                                        std::span<const std::int32_t> labels);
+// The connected sets of triangles that creases and cuts leave.
+std::vector<std::vector<std::uint32_t>> smoothParts(const Surface& surface);
 
 }  // namespace bakelight::atlas

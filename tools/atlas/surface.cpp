@@ -49,7 +49,7 @@ std::vector<EdgeUse> sortedEdgeUses(const Surface& surface) {
 
 void findNeighbors(Surface& surface) {
   surface.neighbors.assign(surface.triangleCount(), {-1, -1, -1});
-  surface.cuts.assign(surface.triangleCount(), {0, 0, 0});
+  surface.marks.assign(surface.triangleCount(), {EdgeMark::kNone, EdgeMark::kNone, EdgeMark::kNone});
   const std::vector<EdgeUse> uses = sortedEdgeUses(surface);
   for (std::size_t begin = 0, end; begin < uses.size(); begin = end) {
     end = begin + 1;
@@ -121,14 +121,14 @@ Surface surfaceOf(const formats::TriangleMesh& mesh, const std::string& file) {
   return surface;
 }
 
-std::int64_t cutCreases(Surface& surface, double angle_deg) {
+std::int64_t markCreases(Surface& surface, double angle_deg) {
   const double least_cosine = std::cos(angle_deg * std::numbers::pi / 180);
   std::int64_t count = 0;
   for (std::size_t t = 0; t < surface.triangleCount(); ++t)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::int32_t other = surface.neighbors[t][k];
       if (other < 0 || surface.normals[t].dot(surface.normals[other]) >= least_cosine) continue;
-      surface.cuts[t][k] = 1;
+      surface.marks[t][k] = EdgeMark::kCrease;
       count += static_cast<std::size_t>(other) > t;
     }
   return count;
@@ -140,7 +140,7 @@ bool cutEdge(Surface& surface, std::uint32_t place_a, std::uint32_t place_b) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = surface.triangles[t][k], b = surface.triangles[t][(k + 1) % 3];
       if (std::minmax(a, b) != std::minmax(place_a, place_b)) continue;
-      surface.cuts[t][k] = 1;
+      surface.marks[t][k] = EdgeMark::kCut;
       found = true;
     }
   return found;

@@ -16,12 +16,18 @@ using formats::Triangle;
 using transport::Vec3;
 using Vec2 = Eigen::Vector2d;
 
+enum class EdgeMark : std::uint8_t {
+  kNone,
+  kCrease,  // separates charts where creases close up
+  kCut      // no chart crosses it
+};
+
 // Edge k of a triangle runs from its corner k to corner (k + 1) % 3.
 struct Surface {
   std::vector<Vec3> positions;                         // distinct places, about the bounding box's centre
   std::vector<Triangle> triangles;                     // of places; all have an area
   std::vector<std::array<std::int32_t, 3>> neighbors;  // the triangle across each edge, −1: none
-  std::vector<std::array<std::uint8_t, 3>> cuts;       // 1: no chart crosses this edge
+  std::vector<std::array<EdgeMark, 3>> marks;          // of each edge
   std::vector<Vec3> normals;                           // of triangles, unit length
   std::vector<double> areas;                           // of triangles
   std::vector<std::uint32_t> source_triangles;         // of triangles: which of the mesh's
@@ -42,7 +48,7 @@ struct Surface {
   const Vec3& corner(std::size_t triangle, std::size_t k) const { return positions[triangles[triangle][k]]; }
   // The triangle that a chart may go on with across edge k, or −1.
   std::int32_t passable(std::size_t triangle, std::size_t k) const {
-    return cuts[triangle][k] ? -1 : neighbors[triangle][k];
+    return marks[triangle][k] == EdgeMark::kCut ? -1 : neighbors[triangle][k];
   }
 };
 
@@ -52,8 +58,8 @@ struct Surface {
 // coordinate that is not finite.
 Surface surfaceOf(const formats::TriangleMesh& mesh, const std::string& file);
 
-// Cuts edges whose triangles' normals differ by more than `angle_deg`. Returns how many.
-std::int64_t cutCreases(Surface& surface, double angle_deg);
+// Marks edges as creases whose triangles' normals differ by more than `angle_deg`. Returns how many.
+std::int64_t markCreases(Surface& surface, double angle_deg);
 
 // Cuts the edge between two places, if triangles have it. Returns whether they have.
 bool cutEdge(Surface& surface, std::uint32_t place_a, std::uint32_t place_b);
