@@ -34,6 +34,7 @@ Occupancy::Occupancy(int side)
 }
 
 void Occupancy::take(const TexelMask& mask, int x, int y) {
+  x += mask.left, y += mask.bottom;
   for (int r = std::max(0, -y); r < mask.height && y + r < side_; ++r) {
     for (std::uint32_t i = mask.row_begins[r]; i < mask.row_begins[r + 1]; ++i) {
       const int begin = std::max(0, x + mask.spans[i].begin), end = std::min(side_, x + mask.spans[i].end);

@@ -14,7 +14,7 @@ class Occupancy {
  public:
   explicit Occupancy(int side);
 
-  // Takes the mask's texels, its box at (x, y); what lies outside the square is left out.
+  // Takes the mask's texels, moved by (x, y); what lies outside the square is left out.
   void take(const TexelMask& mask, int x, int y);
 
   // The least x for which the mask's box at (x, y) meets no taken texel and lies inside the square's columns
