@@ -4,14 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
-#include <numbers>
-#include <numeric>
-#include <optional>
 #include <set>
+#include <utility>
 
-#include "tools/atlas/free_boundary.h"
-#include "tools/atlas/injectivity.h"
 #include "tools/atlas/segmentation.h"
 
 namespace bakelight::atlas {
@@ -41,30 +38,24 @@ double solidityOf(const FlatPiece& piece) {
       while (hull.size() >= 2 && crossOf(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
       hull.push_back(p);
     }
-    for (std::size_t i = 0; i + 1 < hull.size(); ++i) twice_area += hull[i].x() * hull[i + 1].y() - hull[i].y() * hull[i + 1].x();
+    for (std::size_t i = 0; i + 1 < hull.size(); ++i)
+      twice_area += crossOf(Vec2::Zero(), hull[i], hull[i + 1]);
     std::reverse(points.begin(), points.end());
   }
   return piece.stretch.plane_area / (twice_area / 2);
 }
 
-// Nothing if the triangles cannot be laid flat one-to-one within the stretch.
-std::optional<FlatPiece> flatten(const Surface& surface, const TriangleSet& triangles, double max_stretch) {
-  FlatPiece piece;
-  piece.chart = chartOf(surface, triangles);
-  auto start = flatStart(piece.chart);
-  if (!start) return std::nullopt;
-  piece.plane = minimiseDistortion(piece.chart, std::move(*start));
-  piece.stretch = stretchOf(piece.chart, piece.plane);
-  if (triangles.size() > 1 && !(piece.stretch.l2() <= max_stretch)) return std::nullopt;
-  if (!isInjective(piece.chart, piece.plane)) return std::nullopt;
-  return piece;
-}
-
 struct Piece {
   TriangleSet triangles;
   std::int32_t region = 0;
+  std::uint32_t id = 0;  // no two pieces ever have the same
   std::optional<FlatPiece> flat;
   double perimeter = 0;
+};
+
+struct Neighbors {
+  std::size_t a, b;  // pieces
+  double shared;     // length of the common border ÷ the smaller perimeter
 };
 
 class Charting {
@@ -73,45 +64,63 @@ class Charting {
       : surface_(surface), options_(options), report_(report) {}
 
   std::vector<FlatPiece> run() {
-    divide();
-    settle();
-    merge();
-    straighten();
+    findRegions();
+    if (!options_.cuts_only) {
+      divideRegions();
+      straighten();
+      settle();
+      merge();
+      straighten();
+    }
     settle();
     std::vector<FlatPiece> result;
+    result.reserve(pieces_.size());
     for (Piece& piece : pieces_) result.push_back(std::move(*piece.flat));
     return result;
   }
 
  private:
-  void divide() {
-    const auto parts = smoothParts(surface_);
+  void add(TriangleSet triangles, std::int32_t region) {
+    Piece& piece = pieces_.emplace_back();
+    piece.triangles = std::move(triangles);
+    piece.region = region;
+    piece.id = next_id_++;
+  }
+
+  void findRegions() {
+    regions_.assign(surface_.triangleCount(), 0);
+    const auto parts = options_.cuts_only ? connectedParts(surface_, regions_) : smoothParts(surface_);
     report_.regions = static_cast<std::int64_t>(parts.size());
-    regions_.resize(surface_.triangleCount());
-    std::vector<std::vector<Piece>> made(parts.size());
-    for (std::size_t r = 0; r < parts.size(); ++r)
+    for (std::size_t r = 0; r < parts.size(); ++r) {
       for (const std::uint32_t t : parts[r]) regions_[t] = static_cast<std::int32_t>(r);
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t r) {
-      double area = 0;
-      for (const std::uint32_t t : parts[r]) area += surface_.areas[t];
-      const int count = std::max(1, static_cast<int>(std::lround(options_.pieces * area)));
-      if (count == 1) {
-        made[r].push_back({parts[r], static_cast<std::int32_t>(r), {}, 0});
-        return;
-      }
-      for (TriangleSet& set : divided(parts[r], count)) made[r].push_back({std::move(set), static_cast<std::int32_t>(r), {}, 0});
-    });
-    for (auto& region : made)
-      for (Piece& piece : region) pieces_.push_back(std::move(piece));
-    report_.first_pieces = static_cast<std::int64_t>(pieces_.size());
-    straighten();
+      add(parts[r], static_cast<std::int32_t>(r));
+    }
   }
 
   std::vector<TriangleSet> divided(const TriangleSet& triangles, int count) const {
     const std::vector<std::int32_t> labels = cluster(surface_, triangles, count);
-    std::vector<TriangleSet> sets(static_cast<std::size_t>(*std::max_element(labels.begin(), labels.end())) + 1);
+    std::vector<TriangleSet> sets(static_cast<std::size_t>(*std::max_element(labels.begin(), labels.end())) +
+                                  1);
     for (std::size_t i = 0; i < triangles.size(); ++i) sets[labels[i]].push_back(triangles[i]);
     return sets;
+  }
+
+  // Each piece into as many as its share of the area asks for.
+  void divideRegions() {
+    std::vector<std::vector<TriangleSet>> made(pieces_.size());
+    tbb::parallel_for(std::size_t{0}, pieces_.size(), [&](std::size_t p) {
+      double area = 0;
+      for (const std::uint32_t t : pieces_[p].triangles) area += surface_.areas[t];
+      const int count = static_cast<int>(std::lround(options_.pieces * area));
+      if (count > 1) made[p] = divided(pieces_[p].triangles, count);
+    });
+    std::vector<Piece> regions = std::move(pieces_);
+    pieces_.clear();
+    for (std::size_t p = 0; p < regions.size(); ++p) {
+      if (made[p].empty()) add(std::move(regions[p].triangles), regions[p].region);
+      for (TriangleSet& set : made[p]) add(std::move(set), regions[p].region);
+    }
+    report_.first_pieces = static_cast<std::int64_t>(pieces_.size());
   }
 
   void straighten() {
@@ -121,108 +130,109 @@ class Charting {
     straightenBorders(surface_, regions_, labels);
     std::vector<TriangleSet> sets(pieces_.size());
     for (std::uint32_t t = 0; t < labels.size(); ++t) sets[labels[t]].push_back(t);
-    for (std::size_t p = 0; p < pieces_.size(); ++p)
-      if (sets[p] != pieces_[p].triangles) pieces_[p].triangles = std::move(sets[p]), pieces_[p].flat.reset();
-    std::erase_if(pieces_, [](const Piece& piece) { return piece.triangles.empty(); });
+    std::vector<Piece> before = std::move(pieces_);
+    pieces_.clear();
+    for (std::size_t p = 0; p < before.size(); ++p) {
+      if (sets[p] == before[p].triangles)
+        pieces_.push_back(std::move(before[p]));
+      else if (!sets[p].empty())
+        add(std::move(sets[p]), before[p].region);
+    }
   }
 
-  // Flattens what is not flat, halves what cannot be, until all are.
+  // Flattens what is not flat, and divides what cannot be, until all are.
   void settle() {
-    std::vector<Piece> done, open;
-    for (Piece& piece : pieces_) (piece.flat ? done : open).push_back(std::move(piece));
+    std::vector<Piece> done, open = std::move(pieces_);
+    pieces_.clear();
     while (!open.empty()) {
-      std::vector<std::vector<Piece>> next(open.size());
+      std::vector<std::vector<TriangleSet>> parts(open.size());
       tbb::parallel_for(std::size_t{0}, open.size(), [&](std::size_t i) {
         Piece& piece = open[i];
-        piece.flat = flatten(surface_, piece.triangles, options_.max_stretch);
-        if (piece.flat) {
+        if (!piece.flat) piece.flat = flatten(surface_, piece.triangles, options_.flattening);
+        if (piece.flat)
           piece.perimeter = perimeterOf(piece.flat->chart);
-          return;
-        }
-        for (TriangleSet& set : divided(piece.triangles, 2)) next[i].push_back({std::move(set), piece.region, {}, 0});
+        else
+          parts[i] = divided(piece.triangles, 2);
       });
-      std::vector<Piece> halves;
       for (std::size_t i = 0; i < open.size(); ++i) {
-        if (open[i].flat) done.push_back(std::move(open[i]));
-        report_.splits += next[i].empty() ? 0 : 1;
-        for (Piece& half : next[i]) halves.push_back(std::move(half));
+        if (open[i].flat) {
+          done.push_back(std::move(open[i]));
+          continue;
+        }
+        ++report_.splits;
+        for (TriangleSet& part : parts[i]) add(std::move(part), open[i].region);
       }
-      open = std::move(halves);
+      open = std::exchange(pieces_, {});
     }
-    std::sort(done.begin(), done.end(), [](const Piece& a, const Piece& b) { return a.triangles[0] < b.triangles[0]; });
+    std::sort(done.begin(), done.end(),
+              [](const Piece& a, const Piece& b) { return a.triangles[0] < b.triangles[0]; });
     pieces_ = std::move(done);
   }
 
-  struct Candidate {
-    double share;  // of the smaller perimeter
-    std::size_t a, b;
-  };
-
-  std::vector<Candidate> candidates(const std::set<std::pair<std::uint32_t, std::uint32_t>>& refused) const {
+  // Those that may become one as far as can be told without laying them flat, longest common border first.
+  std::vector<Neighbors> mergeable(const std::set<std::pair<std::uint32_t, std::uint32_t>>& refused) const {
     std::vector<std::size_t> piece_of(surface_.triangleCount());
     for (std::size_t p = 0; p < pieces_.size(); ++p)
       for (const std::uint32_t t : pieces_[p].triangles) piece_of[t] = p;
-    std::map<std::pair<std::size_t, std::size_t>, double> shared;
+    std::map<std::pair<std::size_t, std::size_t>, double> lengths;
     for (std::size_t t = 0; t < surface_.triangleCount(); ++t)
       for (std::size_t k = 0; k < 3; ++k) {
         const std::int32_t other = surface_.passable(t, k);
         if (other < 0 || piece_of[other] <= piece_of[t] || regions_[other] != regions_[t]) continue;
-        shared[{piece_of[t], piece_of[other]}] += (surface_.corner(t, (k + 1) % 3) - surface_.corner(t, k)).norm();
+        lengths[{piece_of[t], piece_of[other]}] += surface_.edgeLength(t, k);
       }
-    std::vector<Candidate> result;
-    for (const auto& [pair, length] : shared) {
+    std::vector<Neighbors> result;
+    for (const auto& [pair, length] : lengths) {
       const Piece &a = pieces_[pair.first], &b = pieces_[pair.second];
-      if (refused.contains({identity(a), identity(b)})) continue;
-      const double perimeter = a.perimeter + b.perimeter - 2 * length;
-      const double area = a.flat->chart.area + b.flat->chart.area;
-      if (area > options_.largest_share) continue;
-      if (perimeter * perimeter > options_.roundness * 4 * std::numbers::pi * area) continue;
-      result.push_back({length / std::min(a.perimeter, b.perimeter), pair.first, pair.second});
+      if (refused.contains({a.id, b.id}) || a.flat->chart.area + b.flat->chart.area > options_.largest_share)
+        continue;
+      result.push_back({pair.first, pair.second, length / std::min(a.perimeter, b.perimeter)});
     }
-    std::stable_sort(result.begin(), result.end(), [](const Candidate& a, const Candidate& b) { return a.share > b.share; });
+    std::stable_sort(result.begin(), result.end(),
+                     [](const Neighbors& a, const Neighbors& b) { return a.shared > b.shared; });
     return result;
   }
 
-  // A piece never changes its first triangle without being renamed: `born` counts.
-  static std::uint32_t identity(const Piece& piece) { return piece.triangles[0] * 31 + static_cast<std::uint32_t>(piece.triangles.size()); }
+  std::optional<FlatPiece> together(const Piece& a, const Piece& b) const {
+    TriangleSet both;
+    std::merge(a.triangles.begin(), a.triangles.end(), b.triangles.begin(), b.triangles.end(),
+               std::back_inserter(both));
+    auto flat = flatten(surface_, both, options_.flattening);
+    if (flat && solidityOf(*flat) < options_.solidity) flat.reset();
+    return flat;
+  }
 
+  // In rounds: of the mergeable pairs those that do not meet are tried at once.
   void merge() {
     std::set<std::pair<std::uint32_t, std::uint32_t>> refused;
     while (true) {
       std::vector<std::uint8_t> taken(pieces_.size(), 0);
-      std::vector<Candidate> chosen;
-      for (const Candidate& candidate : candidates(refused)) {
-        if (taken[candidate.a] || taken[candidate.b]) continue;
-        taken[candidate.a] = taken[candidate.b] = 1;
-        chosen.push_back(candidate);
+      std::vector<Neighbors> pairs;
+      for (const Neighbors& pair : mergeable(refused)) {
+        if (taken[pair.a] || taken[pair.b]) continue;
+        taken[pair.a] = taken[pair.b] = 1;
+        pairs.push_back(pair);
       }
-      if (chosen.empty()) return;
-      std::vector<std::optional<FlatPiece>> merged(chosen.size());
-      tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t i) {
-        TriangleSet both;
-        const TriangleSet &a = pieces_[chosen[i].a].triangles, &b = pieces_[chosen[i].b].triangles;
-        std::merge(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
-        merged[i] = flatten(surface_, both, options_.max_stretch);
-        if (merged[i] && solidityOf(*merged[i]) < options_.solidity) merged[i].reset();
+      if (pairs.empty()) return;
+      std::vector<std::optional<FlatPiece>> merged(pairs.size());
+      tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
+        merged[i] = together(pieces_[pairs[i].a], pieces_[pairs[i].b]);
       });
-      std::vector<std::uint8_t> gone(pieces_.size(), 0);
-      for (std::size_t i = 0; i < chosen.size(); ++i) {
+      for (std::size_t i = 0; i < pairs.size(); ++i) {
         ++report_.merges_tried;
-        Piece &a = pieces_[chosen[i].a], &b = pieces_[chosen[i].b];
+        Piece &a = pieces_[pairs[i].a], &b = pieces_[pairs[i].b];
         if (!merged[i]) {
-          refused.insert({identity(a), identity(b)});
+          refused.insert({a.id, b.id});
           continue;
         }
         ++report_.merges;
         a.triangles = merged[i]->chart.surface_triangles;
+        a.id = next_id_++;
         a.perimeter = perimeterOf(merged[i]->chart);
         a.flat = std::move(merged[i]);
-        gone[chosen[i].b] = 1;
+        b.triangles.clear();
       }
-      std::vector<Piece> left;
-      for (std::size_t p = 0; p < pieces_.size(); ++p)
-        if (!gone[p]) left.push_back(std::move(pieces_[p]));
-      pieces_ = std::move(left);
+      std::erase_if(pieces_, [](const Piece& piece) { return piece.triangles.empty(); });
     }
   }
 
@@ -231,11 +241,13 @@ class Charting {
   ChartingReport& report_;
   std::vector<std::int32_t> regions_;
   std::vector<Piece> pieces_;
+  std::uint32_t next_id_ = 0;
 };
 
 }  // namespace
 
-std::vector<FlatPiece> makeCharts(const Surface& surface, const ChartingOptions& options, ChartingReport& report) {
+std::vector<FlatPiece> makeCharts(const Surface& surface, const ChartingOptions& options,
+                                  ChartingReport& report) {
   return Charting(surface, options, report).run();
 }
 

@@ -5,22 +5,18 @@
 #include <string>
 #include <vector>
 
-#include "tools/atlas/chart.h"
-#include "tools/atlas/stretch.h"
+#include "tools/atlas/flattening.h"
 
 namespace bakelight::atlas {
 
-struct FlatPiece {
-  Chart chart;
-  std::vector<Vec2> plane;  // of the chart's vertices, counter-clockwise
-  StretchSum stretch;
-};
-
 struct ChartingOptions {
-  double max_stretch = 1.03;  // L² stretch of each chart
-  double pieces = 60;      // to begin with
-  double roundness = 3;       // largest perimeter² ÷ (4π area) that merging may make
-  double solidity = 0.85;     // least area ÷ convex hull that merging may make
+  FlatteningOptions flattening;
+  // Charts are the connected parts that cuts leave, divided only where they cannot be laid flat one-to-one.
+  bool cuts_only = false;
+
+  // What follows shapes automatic charts; it does not apply to `cuts_only`.
+  double pieces = 60;          // to begin with, for the whole area
+  double solidity = 0.85;      // least area ÷ area of the convex hull in the plane that merging may make
   double largest_share = 0.1;  // of the whole area, that merging may make
 };
 
@@ -28,6 +24,10 @@ struct ChartingReport {
   std::int64_t regions = 0, first_pieces = 0, splits = 0, merges = 0, merges_tried = 0;
 };
 
-std::vector<FlatPiece> makeCharts(const Surface& surface, const ChartingOptions& options, ChartingReport& report);
+// Segmentation (segmentation.h) within what creases separate, flattening, halving of what does not lie flat,
+// then merging of neighbours as long as they lie flat together, longest common borders first. Charts cover
+// every triangle once and are ordered by their first triangles. Deterministic; threads by TBB.
+std::vector<FlatPiece> makeCharts(const Surface& surface, const ChartingOptions& options,
+                                  ChartingReport& report);
 
 }  // namespace bakelight::atlas

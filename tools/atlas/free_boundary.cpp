@@ -36,7 +36,8 @@ std::vector<RestTriangle> restTriangles(const Chart& chart) {
   std::vector<RestTriangle> rest;
   rest.reserve(chart.triangles.size());
   for (const Triangle& t : chart.triangles) {
-    const Vec3 ab = chart.positions[t[1]] - chart.positions[t[0]], ac = chart.positions[t[2]] - chart.positions[t[0]];
+    const Vec3 ab = chart.positions[t[1]] - chart.positions[t[0]],
+               ac = chart.positions[t[2]] - chart.positions[t[0]];
     const double bx = ab.norm(), cx = ab.dot(ac) / bx, cy = ab.cross(ac).norm() / bx;
     const Vec2 of_b(1 / bx, -cx / (bx * cy)), of_c(0, 1 / cy);
     rest.push_back({bx * cy / 2, {-of_b - of_c, of_b, of_c}});
@@ -56,12 +57,13 @@ struct SignedSvd {
 };
 
 SignedSvd signedSvd(const Matrix2& j) {
-  const double e = (j(0, 0) + j(1, 1)) / 2, f = (j(0, 0) - j(1, 1)) / 2, g = (j(1, 0) + j(0, 1)) / 2, h = (j(1, 0) - j(0, 1)) / 2;
+  const double e = (j(0, 0) + j(1, 1)) / 2, f = (j(0, 0) - j(1, 1)) / 2, g = (j(1, 0) + j(0, 1)) / 2,
+               h = (j(1, 0) - j(0, 1)) / 2;
   const double similar = std::hypot(e, h), mirrored = std::hypot(f, g);
   const double sum = std::atan2(h, e), difference = std::atan2(g, f);
   const double u_angle = (sum + difference) / 2, v_angle = (difference - sum) / 2;
-  return {Eigen::Rotation2Dd(u_angle).toRotationMatrix(), Eigen::Rotation2Dd(v_angle).toRotationMatrix(), similar + mirrored,
-          similar - mirrored};
+  return {Eigen::Rotation2Dd(u_angle).toRotationMatrix(), Eigen::Rotation2Dd(v_angle).toRotationMatrix(),
+          similar + mirrored, similar - mirrored};
 }
 
 class SymmetricDirichlet {
@@ -92,7 +94,8 @@ class SymmetricDirichlet {
     for (Eigen::Index k = 0; k < hessian_.rows(); ++k) hessian_.coeffRef(k, k) += shift;
     if (!analysed_) solver_.analyzePattern(hessian_), analysed_ = true;
     solver_.factorize(hessian_);
-    direction = solver_.info() == Eigen::Success ? Eigen::VectorXd(-solver_.solve(gradient)) : Eigen::VectorXd(-gradient);
+    direction = solver_.info() == Eigen::Success ? Eigen::VectorXd(-solver_.solve(gradient))
+                                                 : Eigen::VectorXd(-gradient);
     return direction.dot(gradient);
   }
 
@@ -104,8 +107,9 @@ class SymmetricDirichlet {
       const Vec2 ab = plane[t[1]] - plane[t[0]], ac = plane[t[2]] - plane[t[0]];
       const Vec2 ab_move = moves(t[1]) - moves(t[0]), ac_move = moves(t[2]) - moves(t[0]);
       const auto cross = [](const Vec2& p, const Vec2& q) { return p.x() * q.y() - p.y() * q.x(); };
-      largest = std::min(largest, smallestPositiveRoot(cross(ab_move, ac_move),
-                                                       cross(ab_move, ac) + cross(ab, ac_move), cross(ab, ac)));
+      largest =
+          std::min(largest, smallestPositiveRoot(cross(ab_move, ac_move),
+                                                 cross(ab_move, ac) + cross(ab, ac_move), cross(ab, ac)));
     }
     return largest;
   }
@@ -136,7 +140,8 @@ class SymmetricDirichlet {
     hessian_.resize(unknowns, unknowns);
     hessian_.setFromTriplets(entries.begin(), entries.end());
     hessian_.makeCompressed();
-    // Where the two entries of each block of two unknowns begin, so that sums need no search. Rows are sorted.
+    // Where the two entries of each block of two unknowns begin, so that sums need no search. Rows are
+    // sorted.
     slots_.reserve(triangles_.size());
     for (const Triangle& t : triangles_) {
       std::array<int, 18> slots{};
@@ -146,8 +151,8 @@ class SymmetricDirichlet {
             const auto outer = static_cast<Eigen::Index>(2 * t[q] + column);
             const int* begin = hessian_.innerIndexPtr() + hessian_.outerIndexPtr()[outer];
             const int* end = hessian_.innerIndexPtr() + hessian_.outerIndexPtr()[outer + 1];
-            slots[6 * q + 3 * column + p] =
-                static_cast<int>(std::lower_bound(begin, end, static_cast<int>(2 * t[p])) - hessian_.innerIndexPtr());
+            slots[6 * q + 3 * column + p] = static_cast<int>(
+                std::lower_bound(begin, end, static_cast<int>(2 * t[p])) - hessian_.innerIndexPtr());
           }
       slots_.push_back(slots);
     }
@@ -201,19 +206,9 @@ class SymmetricDirichlet {
 std::vector<Vec2> moved(const std::vector<Vec2>& plane, const Eigen::VectorXd& direction, double length) {
   std::vector<Vec2> result(plane.size());
   for (std::size_t v = 0; v < plane.size(); ++v)
-    result[v] = plane[v] + length * Vec2(direction[static_cast<Eigen::Index>(2 * v)], direction[static_cast<Eigen::Index>(2 * v + 1)]);
+    result[v] = plane[v] + length * Vec2(direction[static_cast<Eigen::Index>(2 * v)],
+                                         direction[static_cast<Eigen::Index>(2 * v + 1)]);
   return result;
-}
-
-void scale(std::vector<Vec2>& plane, double factor) {
-  for (Vec2& p : plane) p *= factor;
-}
-
-// To the least Σ area · (Γ² + γ²)/2 + plane area.
-void scaleForLeastStretch(const Chart& chart, std::vector<Vec2>& plane) {
-  const StretchSum sum = stretchOf(chart, plane);
-  const double factor = std::pow(sum.weighted / sum.plane_area, 0.25);
-  if (std::isfinite(factor) && factor > 0) scale(plane, factor);
 }
 
 bool flips(const Chart& chart, const std::vector<Vec2>& plane) {
@@ -225,7 +220,8 @@ bool flips(const Chart& chart, const std::vector<Vec2>& plane) {
 std::optional<std::vector<Vec2>> projection(const Chart& chart) {
   Vec3 mean = Vec3::Zero();
   const auto areaVector = [&](const Triangle& t) {
-    return Vec3((chart.positions[t[1]] - chart.positions[t[0]]).cross(chart.positions[t[2]] - chart.positions[t[0]]));
+    return Vec3(
+        (chart.positions[t[1]] - chart.positions[t[0]]).cross(chart.positions[t[2]] - chart.positions[t[0]]));
   };
   for (const Triangle& t : chart.triangles) mean += areaVector(t);
   if (!(mean.norm() > 0)) return std::nullopt;
@@ -234,19 +230,17 @@ std::optional<std::vector<Vec2>> projection(const Chart& chart) {
     const Vec3 vector = areaVector(t);
     if (!(vector.dot(mean) > kLeastCosine * vector.norm())) return std::nullopt;
   }
-  const Vec3 x = mean.unitOrthogonal(), y = mean.cross(x);
-  std::vector<Vec2> plane;
-  plane.reserve(chart.vertexCount());
-  for (const Vec3& p : chart.positions) plane.emplace_back(x.dot(p), y.dot(p));
-  return plane;
+  return projectedAlong(chart, mean);
 }
 
 // The two border vertices that are farthest along the border from each other, roughly: far apart in space.
 std::array<std::uint32_t, 2> pins(const Chart& chart) {
   const auto farthestFrom = [&](std::uint32_t from) {
-    return *std::max_element(chart.borders[0].begin(), chart.borders[0].end(), [&](std::uint32_t a, std::uint32_t b) {
-      return (chart.positions[a] - chart.positions[from]).squaredNorm() < (chart.positions[b] - chart.positions[from]).squaredNorm();
-    });
+    return *std::max_element(chart.borders[0].begin(), chart.borders[0].end(),
+                             [&](std::uint32_t a, std::uint32_t b) {
+                               return (chart.positions[a] - chart.positions[from]).squaredNorm() <
+                                      (chart.positions[b] - chart.positions[from]).squaredNorm();
+                             });
   };
   const std::uint32_t first = farthestFrom(chart.borders[0][0]);
   return {first, farthestFrom(first)};
@@ -283,7 +277,8 @@ std::vector<Vec2> conformal(const Chart& chart) {
           right[row] -= weights[p][a] * constant;
           for (std::size_t q = 0; q < 3; ++q)
             if (unknown[t[q]] >= 0)
-              for (int b = 0; b < 2; ++b) entries.emplace_back(row, 2 * unknown[t[q]] + b, weights[p][a] * weights[q][b]);
+              for (int b = 0; b < 2; ++b)
+                entries.emplace_back(row, 2 * unknown[t[q]] + b, weights[p][a] * weights[q][b]);
         }
       }
     }
@@ -300,6 +295,14 @@ std::vector<Vec2> conformal(const Chart& chart) {
 
 }  // namespace
 
+std::vector<Vec2> projectedAlong(const Chart& chart, const Vec3& normal) {
+  const Vec3 x = normal.unitOrthogonal(), y = normal.cross(x);
+  std::vector<Vec2> plane;
+  plane.reserve(chart.vertexCount());
+  for (const Vec3& p : chart.positions) plane.emplace_back(x.dot(p), y.dot(p));
+  return plane;
+}
+
 std::optional<std::vector<Vec2>> flatStart(const Chart& chart) {
   if (!chart.isPlanar()) return std::nullopt;
   if (auto plane = projection(chart); plane && !flips(chart, *plane)) return plane;
@@ -308,7 +311,8 @@ std::optional<std::vector<Vec2>> flatStart(const Chart& chart) {
   return plane;
 }
 
-std::vector<Vec2> minimiseDistortion(const Chart& chart, std::vector<Vec2> plane, const FreeBoundaryOptions& options) {
+std::vector<Vec2> minimiseDistortion(const Chart& chart, std::vector<Vec2> plane,
+                                     const FreeBoundaryOptions& options) {
   scaleForLeastStretch(chart, plane);
   SymmetricDirichlet objective(chart);
   double energy = objective.energy(plane);
@@ -330,7 +334,6 @@ std::vector<Vec2> minimiseDistortion(const Chart& chart, std::vector<Vec2> plane
     energy = next_energy;
     if (done) break;
   }
-  scaleForLeastStretch(chart, plane);
   return plane;
 }
 

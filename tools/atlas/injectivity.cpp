@@ -35,12 +35,14 @@ bool bordersCross(const Chart& chart, std::span<const Vec2> plane) {
     for (std::size_t i = 0; i < loop.size(); ++i)
       segments.push_back({plane[loop[i]], plane[loop[(i + 1) % loop.size()]]});
   // Along x, each against those whose extents in x it meets; borders are thin enough for that to be few.
-  std::sort(segments.begin(), segments.end(), [](const Segment& a, const Segment& b) { return a.low() < b.low(); });
+  std::sort(segments.begin(), segments.end(),
+            [](const Segment& a, const Segment& b) { return a.low() < b.low(); });
   std::vector<const Segment*> open;
   for (const Segment& segment : segments) {
     std::erase_if(open, [&](const Segment* other) { return other->high() < segment.low(); });
     for (const Segment* other : open)
-      if (boxesMeetInY(segment, *other) && segmentsCross(segment.begin, segment.end, other->begin, other->end))
+      if (boxesMeetInY(segment, *other) &&
+          segmentsCross(segment.begin, segment.end, other->begin, other->end))
         return true;
     open.push_back(&segment);
   }

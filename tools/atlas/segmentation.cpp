@@ -71,7 +71,8 @@ class Clustering {
     for (int s = 0; s < count; ++s) {
       seeds_.push_back(next);
       centers_.push_back(centerAt(next));
-      for (std::uint32_t i = 0; i < nearest.size(); ++i) nearest[i] = std::min(nearest[i], cost(i, centers_.back()));
+      for (std::uint32_t i = 0; i < nearest.size(); ++i)
+        nearest[i] = std::min(nearest[i], cost(i, centers_.back()));
       nearest[next] = -1;
       next = static_cast<std::uint32_t>(std::max_element(nearest.begin(), nearest.end()) - nearest.begin());
       if (nearest[next] < 0) break;
@@ -133,7 +134,8 @@ class Clustering {
 
 }  // namespace
 
-std::vector<std::int32_t> cluster(const Surface& surface, std::span<const std::uint32_t> triangles, int count) {
+std::vector<std::int32_t> cluster(const Surface& surface, std::span<const std::uint32_t> triangles,
+                                  int count) {
   return Clustering(surface, triangles, count).run();
 }
 
@@ -144,7 +146,8 @@ using Mixture = std::vector<std::pair<std::int32_t, double>>;
 
 void addTo(Mixture& mixture, const Mixture& other, double weight) {
   for (const auto& [label, share] : other) {
-    const auto it = std::find_if(mixture.begin(), mixture.end(), [&](const auto& entry) { return entry.first == label; });
+    const auto it =
+        std::find_if(mixture.begin(), mixture.end(), [&](const auto& entry) { return entry.first == label; });
     if (it == mixture.end())
       mixture.emplace_back(label, weight * share);
     else
@@ -152,9 +155,10 @@ void addTo(Mixture& mixture, const Mixture& other, double weight) {
   }
 }
 
-// One round of threshold dynamics (Merriman, Bence & Osher 1992): labels diffuse, then each triangle takes the strongest. Moves
-// borders by their curvature, over more than one triangle at a time.
-std::vector<std::int32_t> diffusedLabels(const Surface& surface, std::span<const std::int32_t> regions, std::span<const std::int32_t> labels, int steps) {
+// One round of threshold dynamics (Merriman, Bence & Osher 1992): labels diffuse, then each triangle takes
+// the strongest. Moves borders by their curvature, over more than one triangle at a time.
+std::vector<std::int32_t> diffusedLabels(const Surface& surface, std::span<const std::int32_t> regions,
+                                         std::span<const std::int32_t> labels, int steps) {
   std::vector<Mixture> mixtures(labels.size()), next(labels.size());
   for (std::size_t t = 0; t < labels.size(); ++t) mixtures[t] = {{labels[t], 1.0}};
   for (int step = 0; step < steps; ++step) {
@@ -162,7 +166,8 @@ std::vector<std::int32_t> diffusedLabels(const Surface& surface, std::span<const
       next[t].clear();
       double total = surface.areas[t];
       for (std::size_t k = 0; k < 3; ++k)
-        if (const std::int32_t other = surface.passable(t, k); other >= 0 && regions[other] == regions[t]) total += surface.areas[other];
+        if (const std::int32_t other = surface.passable(t, k); other >= 0 && regions[other] == regions[t])
+          total += surface.areas[other];
       addTo(next[t], mixtures[t], surface.areas[t] / total);
       for (std::size_t k = 0; k < 3; ++k)
         if (const std::int32_t other = surface.passable(t, k); other >= 0 && regions[other] == regions[t])
@@ -178,8 +183,10 @@ std::vector<std::int32_t> diffusedLabels(const Surface& surface, std::span<const
   return result;
 }
 
-// Of each label the largest connected part keeps it; the others take that of the neighbour they share most border with.
-void joinScraps(const Surface& surface, std::span<const std::int32_t> regions, std::span<std::int32_t> labels) {
+// Of each label the largest connected part keeps it; the others take that of the neighbour they share most
+// border with.
+void joinScraps(const Surface& surface, std::span<const std::int32_t> regions,
+                std::span<std::int32_t> labels) {
   const auto parts = connectedParts(surface, labels);
   std::unordered_map<std::int32_t, std::size_t> largest;
   for (std::size_t p = 0; p < parts.size(); ++p) {
@@ -192,17 +199,20 @@ void joinScraps(const Surface& surface, std::span<const std::int32_t> regions, s
     std::map<std::int32_t, double> shared;
     for (const std::uint32_t t : parts[p])
       for (std::size_t k = 0; k < 3; ++k)
-        if (const std::int32_t other = surface.passable(t, k); other >= 0 && labels[other] != own && regions[other] == regions[t])
-          shared[labels[other]] += (surface.corner(t, (k + 1) % 3) - surface.corner(t, k)).norm();
+        if (const std::int32_t other = surface.passable(t, k);
+            other >= 0 && labels[other] != own && regions[other] == regions[t])
+          shared[labels[other]] += surface.edgeLength(t, k);
     if (shared.empty()) continue;
-    const auto best = std::max_element(shared.begin(), shared.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    const auto best = std::max_element(shared.begin(), shared.end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
     for (const std::uint32_t t : parts[p]) labels[t] = best->first;
   }
 }
 
 }  // namespace
 
-void straightenBorders(const Surface& surface, std::span<const std::int32_t> regions, std::span<std::int32_t> labels) {
+void straightenBorders(const Surface& surface, std::span<const std::int32_t> regions,
+                       std::span<std::int32_t> labels) {
   for (int round = 0; round < kDiffusionRounds; ++round) {
     const std::vector<std::int32_t> smoothed = diffusedLabels(surface, regions, labels, kDiffusionSteps);
     std::copy(smoothed.begin(), smoothed.end(), labels.begin());
@@ -210,17 +220,19 @@ void straightenBorders(const Surface& surface, std::span<const std::int32_t> reg
   }
   std::unordered_map<std::int32_t, std::size_t> sizes;
   for (const std::int32_t label : labels) ++sizes[label];
-  const auto edgeLength = [&](std::size_t t, std::size_t k) { return (surface.corner(t, (k + 1) % 3) - surface.corner(t, k)).norm(); };
-  // The triangles around the corner of t opposite its edge k must stay connected without t: t leaves its piece across one edge
-  // only, or keeps a fan there. A triangle with two neighbours in its piece is safe if those meet around the shared corner.
+  // The triangles around the corner of t opposite its edge k must stay connected without t: t leaves its
+  // piece across one edge only, or keeps a fan there. A triangle with two neighbours in its piece is safe if
+  // those meet around the shared corner.
   const auto staysConnected = [&](std::size_t t, std::int32_t label) {
     std::array<std::size_t, 3> kept{};
     std::size_t count = 0;
     for (std::size_t k = 0; k < 3; ++k)
-      if (const std::int32_t other = surface.passable(t, k); other >= 0 && labels[other] == label) kept[count++] = k;
+      if (const std::int32_t other = surface.passable(t, k); other >= 0 && labels[other] == label)
+        kept[count++] = k;
     if (count <= 1) return count == 1;
     if (count == 3) return false;
-    // The corner that both edges share, and a walk around it from one neighbour to the other within the piece.
+    // The corner that both edges share, and a walk around it from one neighbour to the other within the
+    // piece.
     const std::size_t corner = (kept[0] + 1) % 3 == kept[1] ? kept[1] : kept[0];
     const std::uint32_t place = surface.triangles[t][corner];
     const std::int32_t goal = surface.passable(t, corner);
@@ -243,7 +255,7 @@ void straightenBorders(const Surface& surface, std::span<const std::int32_t> reg
       for (std::size_t k = 0; k < 3; ++k) {
         const std::int32_t other = surface.passable(t, k);
         if (other < 0) continue;
-        const double length = edgeLength(t, k);
+        const double length = surface.edgeLength(t, k);
         perimeter += length;
         if (labels[other] == own) {
           kept += length;
@@ -253,10 +265,13 @@ void straightenBorders(const Surface& surface, std::span<const std::int32_t> reg
         double shared = 0;
         for (std::size_t m = 0; m < 3; ++m)
           if (const std::int32_t third = surface.passable(t, m); third >= 0 && labels[third] == labels[other])
-            shared += edgeLength(t, m);
-        if (shared > best || (shared == best && labels[other] < best_label)) best = shared, best_label = labels[other];
+            shared += surface.edgeLength(t, m);
+        if (shared > best || (shared == best && labels[other] < best_label))
+          best = shared, best_label = labels[other];
       }
-      if (best_label == own || best - kept <= kLeastGain * perimeter || sizes[own] <= 1 || !staysConnected(t, own)) continue;
+      if (best_label == own || best - kept <= kLeastGain * perimeter || sizes[own] <= 1 ||
+          !staysConnected(t, own))
+        continue;
       --sizes[own], ++sizes[best_label];
       labels[t] = best_label;
       ++changes;

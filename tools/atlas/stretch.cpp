@@ -56,4 +56,11 @@ StretchSum stretchOf(const Chart& chart, std::span<const Vec2> plane) {
   return sum;
 }
 
+void scaleForLeastStretch(const Chart& chart, std::span<Vec2> plane) {
+  const StretchSum sum = stretchOf(chart, plane);
+  const double factor = std::pow(sum.weighted / sum.plane_area, 0.25);
+  if (!(std::isfinite(factor) && factor > 0)) return;
+  for (Vec2& p : plane) p *= factor;
+}
+
 }  // namespace bakelight::atlas

@@ -42,4 +42,8 @@ struct StretchSum {
 
 StretchSum stretchOf(const Chart& chart, std::span<const Vec2> plane);
 
+// Scales a chart such that its share in the L² stretch of an atlas is least: plane area = Σ area · (Γ² +
+// γ²)/2.
+void scaleForLeastStretch(const Chart& chart, std::span<Vec2> plane);
+
 }  // namespace bakelight::atlas

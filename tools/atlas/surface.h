@@ -46,6 +46,9 @@ struct Surface {
 
   std::size_t triangleCount() const { return triangles.size(); }
   const Vec3& corner(std::size_t triangle, std::size_t k) const { return positions[triangles[triangle][k]]; }
+  double edgeLength(std::size_t triangle, std::size_t k) const {
+    return (corner(triangle, (k + 1) % 3) - corner(triangle, k)).norm();
+  }
   // The triangle that a chart may go on with across edge k, or −1.
   std::int32_t passable(std::size_t triangle, std::size_t k) const {
     return marks[triangle][k] == EdgeMark::kCut ? -1 : neighbors[triangle][k];

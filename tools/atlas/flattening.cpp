@@ -1,0 +1,88 @@
+#include "tools/atlas/flattening.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tools/atlas/convex_boundary.h"
+#include "tools/atlas/free_boundary.h"
+#include "tools/atlas/injectivity.h"
+
+namespace bakelight::atlas {
+namespace {
+
+using Plane = std::optional<std::vector<Vec2>>;
+
+Plane freely(const Chart& chart) {
+  Plane start = flatStart(chart);
+  if (start) start = minimiseDistortion(chart, std::move(*start));
+  return start;
+}
+
+Plane convexly(const Chart& chart, const FlatteningOptions& options) {
+  if (!canBeConvex(chart)) return std::nullopt;
+  std::vector<std::uint32_t> corners;
+  for (const std::uint32_t v : chart.borders[0])
+    if (std::binary_search(options.corner_places.begin(), options.corner_places.end(), chart.places[v]))
+      corners.push_back(v);
+  auto result = convexBoundary(chart, corners, {options.corners});
+  if (!result) return std::nullopt;
+  return std::move(result->plane);
+}
+
+Plane projected(const Surface& surface, const Chart& chart, double threshold_deg) {
+  const Vec3 normal = meanNormal(surface, chart.surface_triangles);
+  if (!(normal.norm() > 0) || !chart.isPlanar()) return std::nullopt;
+  const double least_cosine = std::cos(threshold_deg * std::numbers::pi / 180);
+  for (const std::uint32_t t : chart.surface_triangles)
+    if (surface.normals[t].dot(normal) < least_cosine) return std::nullopt;
+  return projectedAlong(chart, normal);
+}
+
+// As it is, so that whatever else fails, one triangle lies flat.
+Plane triangleAsItIs(const Chart& chart) {
+  const Triangle& t = chart.triangles[0];
+  const Vec3 ab = chart.positions[t[1]] - chart.positions[t[0]],
+             ac = chart.positions[t[2]] - chart.positions[t[0]];
+  std::vector<Vec2> plane(3, Vec2::Zero());
+  plane[t[1]] = {ab.norm(), 0};
+  plane[t[2]] = {ab.dot(ac) / ab.norm(), ab.cross(ac).norm() / ab.norm()};
+  return plane;
+}
+
+Plane planeOf(const Surface& surface, const Chart& chart, const FlatteningOptions& options) {
+  if (chart.triangles.size() == 1) return triangleAsItIs(chart);
+  switch (options.parameterisation) {
+    case Parameterisation::kFree:
+      return freely(chart);
+    case Parameterisation::kConvex:
+      return convexly(chart, options);
+    case Parameterisation::kProjection:
+      return projected(surface, chart, options.normal_threshold_deg);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Vec3 meanNormal(const Surface& surface, std::span<const std::uint32_t> triangles) {
+  Vec3 sum = Vec3::Zero();
+  for (const std::uint32_t t : triangles) sum += surface.areas[t] * surface.normals[t];
+  return sum.norm() > 0 ? sum.normalized() : sum;
+}
+
+std::optional<FlatPiece> flatten(const Surface& surface, std::span<const std::uint32_t> triangles,
+                                 const FlatteningOptions& options) {
+  FlatPiece piece;
+  piece.chart = chartOf(surface, triangles);
+  Plane plane = planeOf(surface, piece.chart, options);
+  if (!plane) return std::nullopt;
+  piece.plane = std::move(*plane);
+  if (triangles.size() > 1 && !isInjective(piece.chart, piece.plane)) return std::nullopt;
+  scaleForLeastStretch(piece.chart, piece.plane);
+  piece.stretch = stretchOf(piece.chart, piece.plane);
+  if (triangles.size() > 1 && !(piece.stretch.l2() <= options.max_stretch)) return std::nullopt;
+  return piece;
+}
+
+}  // namespace bakelight::atlas

@@ -1,0 +1,44 @@
+// Lays one chart flat, in the way that the atlas is to be parameterised.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/atlas/chart.h"
+#include "tools/atlas/stretch.h"
+
+namespace bakelight::atlas {
+
+enum class Parameterisation {
+  kFree,        // borders free, least distortion (free_boundary.h)
+  kConvex,      // convex polygons with their corners on a circle (convex_boundary.h)
+  kProjection,  // orthographic, charts of similar normals (Lensch et al. 2002, 5.1)
+};
+
+struct FlatteningOptions {
+  Parameterisation parameterisation = Parameterisation::kFree;
+  double max_stretch = std::numeric_limits<double>::infinity();  // L² stretch of each chart
+  double normal_threshold_deg = 30;          // projection: of triangles from the chart's mean normal
+  int corners = 8;                           // convex: of a polygon without chosen ones
+  std::vector<std::uint32_t> corner_places;  // convex: chosen ones, ascending places of the surface
+};
+
+struct FlatPiece {
+  Chart chart;
+  std::vector<Vec2> plane;  // of the chart's vertices, counter-clockwise, at the scale of least stretch
+  StretchSum stretch;
+};
+
+// Nothing if the triangles (connected, ascending) cannot be laid flat one-to-one within the limits: then they
+// have to be divided. One triangle always can.
+std::optional<FlatPiece> flatten(const Surface& surface, std::span<const std::uint32_t> triangles,
+                                 const FlatteningOptions& options);
+
+// The mean normal, weighted by area; zero if the normals cancel.
+Vec3 meanNormal(const Surface& surface, std::span<const std::uint32_t> triangles);
+
+}  // namespace bakelight::atlas
