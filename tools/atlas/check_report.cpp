@@ -5,9 +5,7 @@
 #include <sstream>
 
 namespace bakelight::atlas {
-namespace {
-
-std::vector<std::pair<std::string, formats::Json>> namedFigures(const AtlasFigures& figures) {
+std::vector<std::pair<std::string, formats::Json>> figuresOf(const AtlasFigures& figures) {
   return {{"charts", figures.charts},
           {"triangles", figures.triangles},
           {"mirrored_charts", figures.mirrored_charts},
@@ -30,14 +28,12 @@ std::vector<std::pair<std::string, formats::Json>> namedFigures(const AtlasFigur
           {"border_length", figures.border_length}};
 }
 
-}  // namespace
-
 CheckReport reportOf(const formats::TriangleMesh& mesh, int resolution, int gutter, const std::string& file) {
   CheckReport report;
   const bool has_texcoords = !mesh.texcoords.empty();
   if (has_texcoords) {
     const AtlasFigures figures = check(atlasOf(mesh), resolution, file);
-    report.figures = namedFigures(figures);
+    report.figures = figuresOf(figures);
     report.defects = figures.defects();
     report.gutter_shortfall = std::max(0, gutter - figures.smallest_gutter);
   } else {

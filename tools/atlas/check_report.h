@@ -12,6 +12,9 @@
 
 namespace bakelight::atlas {
 
+// By their names in stats.json.
+std::vector<std::pair<std::string, formats::Json>> figuresOf(const AtlasFigures& figures);
+
 struct CheckReport {
   std::vector<std::pair<std::string, formats::Json>> figures;
   std::int64_t defects = 0;

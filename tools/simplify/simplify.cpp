@@ -1,7 +1,6 @@
 #include "tools/simplify/simplify.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <Eigen/Geometry>
 #include <numbers>
@@ -14,6 +13,7 @@
 #include "tools/simplify/refine.h"
 #include "tools/simplify/relax.h"
 #include "tools/simplify/surface_query.h"
+#include "tools/stage/stopwatch.h"
 
 namespace bakelight::simplify {
 namespace {
@@ -74,23 +74,8 @@ double equilateralSide(double triangle_area) {
   return std::sqrt(4 * triangle_area / std::numbers::sqrt3);
 }
 
-class Stopwatch {
- public:
-  explicit Stopwatch(std::map<std::string, double>& seconds) : seconds_(seconds) {}
-  // Books the time since the last call under `step`.
-  void lap(const std::string& step) {
-    const auto now = std::chrono::steady_clock::now();
-    seconds_[step] = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-  }
-
- private:
-  std::map<std::string, double>& seconds_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
 WorkingMesh reduce(const SurfaceQuery& original, const SimplifyOptions& options, SimplifyReport& report,
-                   Stopwatch& watch) {
+                   stage::Stopwatch& watch) {
   HalfEdgeMesh mesh = halfEdgeMesh(original.mesh());
   const double side = equilateralSide(area(original.mesh()) / options.triangles);
   if (options.relax_rounds > 0) report.splits = splitLongEdges(mesh, kMaxEdgeSides * side, options.triangles);
@@ -126,7 +111,7 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
   checkInput(input, file);
   SimplifyResult result;
   SimplifyReport& report = result.report;
-  Stopwatch watch(report.seconds);
+  stage::Stopwatch watch(report.seconds);
   report.vertices_in = static_cast<std::int64_t>(input.vertexCount());
   report.triangles_in = static_cast<std::int64_t>(input.triangleCount());
 

@@ -1,0 +1,33 @@
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "formats/mesh_ply.h"
+#include "tools/atlas/make_atlas.h"
+#include "tools/atlas/options.h"
+#include "tools/atlas/report.h"
+#include "tools/stage/stage.h"
+
+int main(int argc, char** argv) {
+  using namespace bakelight;
+  std::filesystem::path mesh_path, atlas_path, charts_path;
+  atlas::OptionWords words;
+  stage::Tool tool("atlas", "Divides a mesh into charts, lays them flat and packs them into a square");
+  tool.input("mesh", "mesh", mesh_path, "Binary PLY, as simplify writes it")
+      .output("atlas", "mesh", atlas_path,
+              "The mesh with texture coordinates, its vertices copied along chart borders")
+      .output("charts", "tensors", charts_path,
+              "Chart of each triangle, and where triangles and vertices come from", false);
+  atlas::declareOptions(tool, words);
+  return tool.run(argc, argv, [&](stage::Run& run) {
+    const formats::TriangleMesh mesh = formats::readPly(mesh_path);
+    const atlas::AtlasOptions options = atlas::finishedOptions(words);
+    const atlas::AtlasResult result = words.texcoords == "own"
+                                          ? atlas::ownAtlas(mesh, options, mesh_path.string())
+                                          : atlas::makeAtlas(mesh, options, mesh_path.string());
+    formats::writePly(atlas_path, result.atlas.mesh);
+    if (!charts_path.empty()) formats::writeSafetensors(charts_path, atlas::chartTables(result, options));
+    for (const std::string& warning : result.report.warnings) run.warn(warning);
+    const formats::Json stats = atlas::toJson(result.report);
+    for (const auto& [name, value] : stats.items()) run.stat(name, value);
+  });
+}

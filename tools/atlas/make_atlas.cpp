@@ -1,0 +1,151 @@
+#include "tools/atlas/make_atlas.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+
+#include "formats/error.h"
+#include "tools/atlas/float_rounding.h"
+#include "tools/atlas/packing.h"
+#include "tools/stage/stopwatch.h"
+
+namespace bakelight::atlas {
+namespace {
+
+ChartingOptions chartingOptions(const AtlasOptions& options) {
+  ChartingOptions charting;
+  charting.cuts_only = options.cuts_only;
+  charting.flattening.parameterisation = options.parameterisation;
+  charting.flattening.normal_threshold_deg = options.normal_threshold_deg;
+  charting.flattening.corners = options.corners;
+  if (options.parameterisation != Parameterisation::kProjection && !options.cuts_only)
+    charting.flattening.max_stretch = options.max_stretch;
+  return charting;
+}
+
+Packing packed(const std::vector<FlatPiece>& pieces, const AtlasOptions& options, const std::string& file) {
+  std::vector<FlatChart> charts;
+  charts.reserve(pieces.size());
+  for (const FlatPiece& piece : pieces) charts.push_back({piece.plane, piece.chart.triangles});
+  return pack(charts, {options.resolution, options.gutter, options.border}, file);
+}
+
+// A corner of the atlas's triangles: what decides which vertex it is.
+struct AtlasCorner {
+  std::uint32_t source;        // vertex of the mesh
+  std::uint32_t chart, local;  // vertex of the chart
+  std::uint32_t triangle, k;   // of the atlas
+};
+
+void assemble(const formats::TriangleMesh& mesh, const Surface& surface, const std::vector<FlatPiece>& pieces,
+              const Packing& packing, int resolution, AtlasResult& result) {
+  Atlas& atlas = result.atlas;
+  result.source_triangles = surface.source_triangles;
+  atlas.chart_count = static_cast<std::uint32_t>(pieces.size());
+  atlas.triangle_charts.resize(surface.triangleCount());
+  atlas.mesh.triangles.resize(surface.triangleCount());
+  std::vector<AtlasCorner> corners;
+  corners.reserve(3 * surface.triangleCount());
+  for (std::uint32_t c = 0; c < pieces.size(); ++c) {
+    const Chart& chart = pieces[c].chart;
+    for (std::size_t i = 0; i < chart.triangles.size(); ++i) {
+      const std::uint32_t t = chart.surface_triangles[i];
+      atlas.triangle_charts[t] = c;
+      for (std::uint32_t k = 0; k < 3; ++k)
+        corners.push_back({mesh.triangles[surface.source_triangles[t]][k], c, chart.triangles[i][k], t, k});
+    }
+  }
+  const auto key = [](const AtlasCorner& corner) {
+    return std::tuple(corner.source, corner.chart, corner.local);
+  };
+  std::sort(corners.begin(), corners.end(), [&](const AtlasCorner& a, const AtlasCorner& b) {
+    return std::tuple_cat(key(a), std::tuple(a.triangle, a.k)) <
+           std::tuple_cat(key(b), std::tuple(b.triangle, b.k));
+  });
+  std::vector<Eigen::Rotation2Dd> rotations;
+  for (const Placement& placement : packing.placements) rotations.emplace_back(placement.angle_rad);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const AtlasCorner& corner = corners[i];
+    if (i == 0 || key(corner) != key(corners[i - 1])) {
+      result.source_vertices.push_back(corner.source);
+      atlas.mesh.positions.push_back(mesh.positions[corner.source]);
+      if (!mesh.normals.empty()) atlas.mesh.normals.push_back(mesh.normals[corner.source]);
+      if (!mesh.colors.empty()) atlas.mesh.colors.push_back(mesh.colors[corner.source]);
+      const Vec2 texel =
+          packing.texels_per_unit * (rotations[corner.chart] * pieces[corner.chart].plane[corner.local]) +
+          packing.placements[corner.chart].offset;
+      atlas.mesh.texcoords.push_back(
+          {static_cast<float>(texel.x() / resolution), static_cast<float>(texel.y() / resolution)});
+    }
+    atlas.mesh.triangles[corner.triangle][corner.k] =
+        static_cast<std::uint32_t>(atlas.mesh.positions.size() - 1);
+  }
+}
+
+void warnAbout(const Surface& surface, AtlasReport& report) {
+  report.degenerate_triangles = surface.degenerate_triangles;
+  report.non_manifold_edges = surface.non_manifold_edges;
+  report.misoriented_edges = surface.misoriented_edges;
+  const auto warn = [&](std::int64_t count, const std::string& what) {
+    if (count > 0) report.warnings.push_back(std::to_string(count) + " " + what);
+  };
+  warn(surface.degenerate_triangles, "triangles without area were left out");
+  warn(surface.non_manifold_edges, "edges of more than two triangles became chart borders");
+  warn(surface.misoriented_edges, "edges whose triangles face opposite ways became chart borders");
+}
+
+}  // namespace
+
+AtlasResult makeAtlas(const formats::TriangleMesh& mesh, const AtlasOptions& options,
+                      const std::string& file) {
+  AtlasResult result;
+  AtlasReport& report = result.report;
+  stage::Stopwatch watch(report.seconds);
+  Surface surface = surfaceOf(mesh, file);
+  warnAbout(surface, report);
+  if (!options.cuts_only) report.crease_edges = markCreases(surface, options.crease_angle_deg);
+  watch.lap("surface");
+  const std::vector<FlatPiece> pieces = makeCharts(surface, chartingOptions(options), report.charting);
+  watch.lap("charts");
+  const Packing packing = packed(pieces, options, file);
+  watch.lap("packing");
+  report.texels_per_unit = packing.texels_per_unit * surface.scale;
+  assemble(mesh, surface, pieces, packing, options.resolution, result);
+  report.nudged_vertices = nudgeFlipped(result.atlas.mesh.triangles, result.atlas.mesh.texcoords);
+  report.figures = check(result.atlas, options.resolution, file);
+  watch.lap("check");
+  if (report.figures.defects() > 0)
+    report.warnings.push_back(std::to_string(report.figures.collapsed) +
+                              " triangles are too thin for float texture coordinates");
+  return result;
+}
+
+AtlasResult ownAtlas(const formats::TriangleMesh& mesh, const AtlasOptions& options,
+                     const std::string& file) {
+  if (mesh.texcoords.empty())
+    throw badInput({file, "", ""}, "the mesh has no texture coordinates of its own", "",
+                   "set texcoords to new");
+  AtlasResult result;
+  stage::Stopwatch watch(result.report.seconds);
+  result.atlas = atlasOf(mesh);
+  for (std::uint32_t v = 0; v < mesh.vertexCount(); ++v) result.source_vertices.push_back(v);
+  for (std::uint32_t t = 0; t < mesh.triangleCount(); ++t) result.source_triangles.push_back(t);
+  result.report.figures = check(result.atlas, options.resolution, file);
+  watch.lap("check");
+  const AtlasFigures& figures = result.report.figures;
+  const int least_gutter = options.gutter + 2 * options.border;
+  if (figures.defects() > 0 || figures.smallest_gutter < least_gutter)
+    throw badInput({file, "", ""},
+                   "its own texture coordinates are no valid atlas: " + std::to_string(figures.flipped) +
+                       " triangles flipped, " + std::to_string(figures.collapsed) + " collapsed, " +
+                       std::to_string(figures.overlapping_texels) + " texels covered twice, " +
+                       std::to_string(figures.crossing_edges) + " borders crossing, " +
+                       std::to_string(figures.outside) + " vertices outside the square, smallest gutter " +
+                       std::to_string(figures.smallest_gutter) + " texels",
+                   "none of these, and gutters of " + std::to_string(least_gutter) + " texels",
+                   "set texcoords to new");
+  return result;
+}
+
+}  // namespace bakelight::atlas

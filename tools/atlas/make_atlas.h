@@ -1,0 +1,56 @@
+// The atlas stage: from a mesh to charts, laid flat and packed.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tools/atlas/atlas.h"
+#include "tools/atlas/charting.h"
+#include "tools/atlas/check.h"
+
+namespace bakelight::atlas {
+
+struct AtlasOptions {
+  Parameterisation parameterisation = Parameterisation::kFree;
+  bool cuts_only = false;            // charts are what the cuts leave
+  double max_stretch = 1.03;         // L² stretch of each chart, free borders; ≥ 1
+  double crease_angle_deg = 80;      // edges sharper than this separate charts where they close up
+  double normal_threshold_deg = 30;  // projection
+  int corners = 8;                   // convex: of polygons without chosen ones
+  int resolution = 1024;             // texels, of the square's side
+  int gutter = 2;                    // texels
+  int border = 0;                    // texels around each chart that are its own, too
+};
+
+struct AtlasReport {
+  ChartingReport charting;
+  AtlasFigures figures;        // of the finished atlas, judged anew
+  double texels_per_unit = 0;  // of the asset's unit of length
+  std::int64_t degenerate_triangles = 0, crease_edges = 0, non_manifold_edges = 0, misoriented_edges = 0;
+  std::int64_t nudged_vertices = 0;       // moved by a rounding, so that no triangle is flipped
+  std::map<std::string, double> seconds;  // by step
+  std::vector<std::string> warnings;
+};
+
+struct AtlasResult {
+  Atlas atlas;
+  std::vector<std::uint32_t> source_vertices;   // of the atlas's vertices: which of the mesh's
+  std::vector<std::uint32_t> source_triangles;  // of the atlas's triangles
+  AtlasReport report;
+};
+
+// Triangles keep their order, those without area are left out. Vertices are ordered by the mesh's, then by
+// chart; one whose triangles lie in several charts has a copy in each. Normals and colours are copied. No
+// triangle is flipped and no two overlap (check.h judges the floats that are written); touched texels and
+// gutters as packing.h has them. Deterministic, the same for any number of threads. Throws Error(kBadInput)
+// as surfaceOf() and pack() do.
+AtlasResult makeAtlas(const formats::TriangleMesh& mesh, const AtlasOptions& options,
+                      const std::string& file);
+
+// Takes the mesh's own texture coordinates: the very same mesh with its charts. Throws Error(kBadInput)
+// naming `file`, with the figures, if they are no valid atlas at the resolution and gutter of `options`.
+AtlasResult ownAtlas(const formats::TriangleMesh& mesh, const AtlasOptions& options, const std::string& file);
+
+}  // namespace bakelight::atlas
