@@ -1,5 +1,6 @@
 #include "formats/mesh_ply.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -32,31 +33,56 @@ class PlyReader {
   PlyReader(std::span<const std::byte> bytes, std::string file) : bytes_(bytes), file_(std::move(file)) {}
 
   TriangleMesh read() {
-    const PlyHeader header = readPlyHeader(bytes_, file_);
-    if (header.format != "binary_little_endian" || header.version != "1.0") {
-      throw error("header", "the format is " + header.format + " " + header.version,
-                  "binary_little_endian 1.0 between stages", kImportRemedy);
-    }
-    position_ = header.size_bytes;
+    const PlyHeader header = readHeader();
     TriangleMesh mesh;
     for (const PlyElement& element : header.elements) {
       if (element.name == "vertex") {
         readVertices(element, mesh);
       } else if (element.name == "face") {
         readFaces(element, mesh);
-      } else if (!element.properties.empty()) {
-        for (std::uint64_t row = 0; row < element.count; ++row) skipRow(element, row);
+      } else {
+        skipRows(element);
       }
     }
-    if (position_ != bytes_.size()) {
-      throw error("", std::to_string(bytes_.size() - position_) + " bytes follow the last element",
-                  "the end of the file");
-    }
+    checkEnd();
     checkIndices(mesh);
     return mesh;
   }
 
+  std::vector<std::array<std::uint32_t, 2>> readEdges() {
+    const PlyHeader header = readHeader();
+    std::uint64_t vertex_count = 0;
+    for (const PlyElement& element : header.elements)
+      if (element.name == "vertex") vertex_count = element.count;
+    std::vector<std::array<std::uint32_t, 2>> edges;
+    for (const PlyElement& element : header.elements) {
+      if (element.name == "edge")
+        readEdges(element, vertex_count, edges);
+      else
+        skipRows(element);
+    }
+    checkEnd();
+    return edges;
+  }
+
  private:
+  PlyHeader readHeader() {
+    PlyHeader header = readPlyHeader(bytes_, file_);
+    if (header.format != "binary_little_endian" || header.version != "1.0") {
+      throw error("header", "the format is " + header.format + " " + header.version,
+                  "binary_little_endian 1.0 between stages", kImportRemedy);
+    }
+    position_ = header.size_bytes;
+    return header;
+  }
+
+  void checkEnd() const {
+    if (position_ != bytes_.size()) {
+      throw error("", std::to_string(bytes_.size() - position_) + " bytes follow the last element",
+                  "the end of the file");
+    }
+  }
+
   Error error(const std::string& element, const std::string& what, const std::string& expected,
               const std::string& remedy = "") const {
     return badInput({file_, element, ""}, what, expected, remedy);
@@ -98,6 +124,11 @@ class PlyReader {
         take(sizeOf(property.type), element, row);
       }
     }
+  }
+
+  void skipRows(const PlyElement& element) {
+    if (element.properties.empty()) return;
+    for (std::uint64_t row = 0; row < element.count; ++row) skipRow(element, row);
   }
 
   // Byte offset in a vertex row of a float32 property, if there is one.
@@ -218,21 +249,48 @@ class PlyReader {
     Triangle triangle;
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const std::int64_t index = plyIntegerAt(list.data + corner * sizeOf(property.type), property.type);
-      if (index < 0) throw indexError(row, index);
+      if (index < 0) throw indexError("face", row, index);
       triangle[corner] = static_cast<std::uint32_t>(index);
     }
     return triangle;
   }
 
-  Error indexError(std::uint64_t row, std::int64_t index) const {
-    return error("face " + std::to_string(row), "vertex " + std::to_string(index) + " does not exist",
+  Error indexError(const std::string& element, std::uint64_t row, std::int64_t index) const {
+    return error(element + " " + std::to_string(row), "vertex " + std::to_string(index) + " does not exist",
                  "the index of a vertex, counted from 0", "make the file again");
+  }
+
+  void readEdges(const PlyElement& element, std::uint64_t vertex_count,
+                 std::vector<std::array<std::uint32_t, 2>>& edges) {
+    const auto hasEnd = [&](const char* name) {
+      return std::any_of(element.properties.begin(), element.properties.end(), [&](const PlyProperty& p) {
+        return p.name == name && !p.list_count && isInteger(p.type);
+      });
+    };
+    if (!hasEnd("vertex1") || !hasEnd("vertex2"))
+      throw error("header", "edges have no vertices", "integer properties vertex1 and vertex2");
+    for (std::uint64_t row = 0; row < element.count; ++row) {
+      std::array<std::uint32_t, 2> edge = {};
+      for (const PlyProperty& property : element.properties) {
+        if (property.list_count) {
+          takeList(property, element, row);
+          continue;
+        }
+        const std::byte* data = take(sizeOf(property.type), element, row);
+        if (property.name != "vertex1" && property.name != "vertex2") continue;
+        const std::int64_t index = plyIntegerAt(data, property.type);
+        if (index < 0 || static_cast<std::uint64_t>(index) >= vertex_count)
+          throw indexError("edge", row, index);
+        edge[property.name == "vertex2"] = static_cast<std::uint32_t>(index);
+      }
+      edges.push_back(edge);
+    }
   }
 
   void checkIndices(const TriangleMesh& mesh) const {
     for (std::size_t row = 0; row < mesh.triangles.size(); ++row) {
       for (const std::uint32_t index : mesh.triangles[row]) {
-        if (index >= mesh.vertexCount()) throw indexError(row, index);
+        if (index >= mesh.vertexCount()) throw indexError("face", row, index);
       }
     }
   }
@@ -294,6 +352,11 @@ void writePly(const std::filesystem::path& path, const TriangleMesh& mesh) {
 TriangleMesh readPly(const std::filesystem::path& path) {
   const Bytes bytes = readFile(path);
   return PlyReader(bytes, path.string()).read();
+}
+
+std::vector<std::array<std::uint32_t, 2>> readPlyEdges(const std::filesystem::path& path) {
+  const Bytes bytes = readFile(path);
+  return PlyReader(bytes, path.string()).readEdges();
 }
 
 std::string geometryHash(const TriangleMesh& mesh) {

@@ -4,8 +4,11 @@
 // repairs silently; a per-vertex table baked beside a mesh needs both order and bits kept.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "formats/triangle_mesh.h"
 
@@ -20,6 +23,10 @@ void writePly(const std::filesystem::path& path, const TriangleMesh& mesh);
 // elements. Throws Error(kBadInput) naming file and element: not a PLY, truncated, not little-endian binary,
 // an index out of range, a polygon, a position or normal that is not finite.
 TriangleMesh readPly(const std::filesystem::path& path);
+
+// Pairs of vertices from the file's `element edge` (integers vertex1 and vertex2), as MeshLab and Blender
+// write marked edges; none if it has no such element. Throws like readPly, also for a vertex out of range.
+std::vector<std::array<std::uint32_t, 2>> readPlyEdges(const std::filesystem::path& path);
 
 // Names positions, normals and triangles (values and order) in 32 hex digits. What was baked for one mesh
 // carries it, so that it is never put on another. Texture coordinates and colours do not count.

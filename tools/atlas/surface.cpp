@@ -134,16 +134,22 @@ std::int64_t markCreases(Surface& surface, double angle_deg) {
   return count;
 }
 
-bool cutEdge(Surface& surface, std::uint32_t place_a, std::uint32_t place_b) {
-  bool found = false;
+std::int64_t cutEdges(Surface& surface, std::span<const std::array<std::uint32_t, 2>> place_pairs) {
+  std::vector<std::array<std::uint32_t, 2>> wanted;
+  for (const auto& [a, b] : place_pairs) wanted.push_back({std::min(a, b), std::max(a, b)});
+  std::sort(wanted.begin(), wanted.end());
+  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  std::vector<std::uint8_t> found(wanted.size(), 0);
   for (std::size_t t = 0; t < surface.triangleCount(); ++t)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = surface.triangles[t][k], b = surface.triangles[t][(k + 1) % 3];
-      if (std::minmax(a, b) != std::minmax(place_a, place_b)) continue;
+      const std::array<std::uint32_t, 2> edge = {std::min(a, b), std::max(a, b)};
+      const auto it = std::lower_bound(wanted.begin(), wanted.end(), edge);
+      if (it == wanted.end() || *it != edge) continue;
       surface.marks[t][k] = EdgeMark::kCut;
-      found = true;
+      found[it - wanted.begin()] = 1;
     }
-  return found;
+  return std::count(found.begin(), found.end(), 1);
 }
 
 }  // namespace bakelight::atlas

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -64,7 +65,8 @@ Surface surfaceOf(const formats::TriangleMesh& mesh, const std::string& file);
 // Marks edges as creases whose triangles' normals differ by more than `angle_deg`. Returns how many.
 std::int64_t markCreases(Surface& surface, double angle_deg);
 
-// Cuts the edge between two places, if triangles have it. Returns whether they have.
-bool cutEdge(Surface& surface, std::uint32_t place_a, std::uint32_t place_b);
+// Cuts the edges between pairs of places, in any order; one may be given twice. Returns how many different
+// ones of them are edges of triangles. Cost: O(n log n).
+std::int64_t cutEdges(Surface& surface, std::span<const std::array<std::uint32_t, 2>> place_pairs);
 
 }  // namespace bakelight::atlas

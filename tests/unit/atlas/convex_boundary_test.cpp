@@ -194,7 +194,7 @@ TEST(ConvexBoundary, JaggedBordersBulgeAndHolesStayOpen) {
 
 TEST(ConvexBoundary, ASlitIsClosed) {
   Surface surface = surfaceOf(flatDisk(3), "made.ply");
-  ASSERT_TRUE(cutEdge(surface, 0, 1));
+  ASSERT_EQ(cutEdges(surface, std::vector<std::array<std::uint32_t, 2>>{{0, 1}}), 1);
   std::vector<std::uint32_t> all(surface.triangleCount());
   std::iota(all.begin(), all.end(), 0u);
   const Chart chart = chartOf(surface, all);

@@ -72,6 +72,48 @@ TEST(MeshPly, FurtherPropertiesAndElementsAreSkipped) {
   EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{2, 0, 1}}));
 }
 
+// What Blender and MeshLab write beside faces: a little mesh with two marked edges.
+std::string markedSquare(std::int32_t last_vertex) {
+  std::string text =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty "
+      "float z\n"
+      "element edge 2\nproperty uchar sharp\nproperty int vertex1\nproperty int vertex2\n"
+      "element face 2\nproperty list uchar uint vertex_indices\nend_header\n";
+  const auto put = [&](auto value) { text.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  for (int i = 0; i < 4; ++i) put(static_cast<float>(i % 2)), put(static_cast<float>(i / 2)), put(0.0F);
+  put(std::uint8_t{1}), put(std::int32_t{1}), put(std::int32_t{2});
+  put(std::uint8_t{1}), put(std::int32_t{0}), put(last_vertex);
+  put(std::uint8_t{3}), put(0U), put(1U), put(2U);
+  put(std::uint8_t{3}), put(1U), put(3U), put(2U);
+  return text;
+}
+
+TEST(MeshPly, EdgesAreReadBesideTheMesh) {
+  const ScratchFolder folder;
+  writeQuickly(folder / "a.ply", markedSquare(3));
+  EXPECT_EQ(readPlyEdges(folder / "a.ply"), (std::vector<std::array<std::uint32_t, 2>>{{1, 2}, {0, 3}}));
+  EXPECT_EQ(readPly(folder / "a.ply").triangles, (std::vector<Triangle>{{0, 1, 2}, {1, 3, 2}}));
+  writePly(folder / "b.ply", wavyGrid(3));
+  EXPECT_TRUE(readPlyEdges(folder / "b.ply").empty());
+}
+
+TEST(MeshPly, BadEdgesAreNamed) {
+  const ScratchFolder folder;
+  const auto errorOfText = [&](const std::string& text) {
+    writeQuickly(folder / "a.ply", text);
+    return errorOf([&] { readPlyEdges(folder / "a.ply"); });
+  };
+  EXPECT_THAT(errorOfText(markedSquare(4)), HasSubstr("edge 1: vertex 4 does not exist"));
+  EXPECT_THAT(errorOfText(markedSquare(-1)), HasSubstr("edge 1: vertex -1 does not exist"));
+  std::string renamed = markedSquare(3);
+  renamed.replace(renamed.find("vertex2"), 7, "vertexB");
+  EXPECT_THAT(errorOfText(renamed), HasSubstr("edges have no vertices"));
+  const std::string whole = markedSquare(3);
+  for (std::size_t size = 0; size < whole.size(); ++size)
+    EXPECT_THAT(errorOfText(whole.substr(0, size)), HasSubstr("a.ply")) << size;
+  EXPECT_THAT(errorOfText(whole + "x"), HasSubstr("1 bytes follow"));
+}
+
 TEST(MeshPly, BadFilesAreNamed) {
   const ScratchFolder folder;
   const auto errorOfText = [&](const std::string& text) {
