@@ -1,6 +1,7 @@
 // atlas_check: whether a mesh's texture coordinates are an atlas, and how good a one.
 #include <filesystem>
 #include <iostream>
+#include <nlohmann/json.hpp>
 
 #include "formats/error.h"
 #include "formats/mesh_import.h"

@@ -82,7 +82,8 @@ int orientationOf(const Vec2& a, const Vec2& b, const Vec2& c) {
   return orientation(a, b, c);
 }
 
-void centerSpans(const TexelTriangle& triangle, int resolution, std::vector<Span>& spans) {
+void centerSpans(const TexelTriangle& triangle, int resolution, std::vector<Span>& spans,
+                 const RowRange& rows) {
   spans.clear();
   if (!isFinite(triangle)) return;
   TexelTriangle t = triangle;
@@ -93,7 +94,7 @@ void centerSpans(const TexelTriangle& triangle, int resolution, std::vector<Span
   const auto [bottom, top] = extent(t, 1);
   const int first = clamped(std::ceil(bottom - 0.5), 0, resolution);
   const int last = clamped(std::floor(top - 0.5), -1, resolution - 1);
-  for (int row = first; row <= last; ++row) {
+  for (int row = std::max(first, rows.begin); row <= last && row < rows.end; ++row) {
     const double y = row + 0.5;
     double low = kInfinity, high = -kInfinity;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -112,13 +113,14 @@ void centerSpans(const TexelTriangle& triangle, int resolution, std::vector<Span
   }
 }
 
-void touchedSpans(const TexelTriangle& triangle, int resolution, std::vector<Span>& spans) {
+void touchedSpans(const TexelTriangle& triangle, int resolution, std::vector<Span>& spans,
+                  const RowRange& rows) {
   spans.clear();
   if (!isFinite(triangle)) return;
   const auto [bottom, top] = extent(triangle, 1);
   const int first = clamped(std::floor(bottom), 0, resolution);
   const int last = clamped(std::ceil(top) - 1, -1, resolution - 1);
-  for (int row = first; row <= last; ++row) {
+  for (int row = std::max(first, rows.begin); row <= last && row < rows.end; ++row) {
     double low = kInfinity, high = -kInfinity;
     const auto take = [&](double x) { low = std::min(low, x), high = std::max(high, x); };
     for (std::size_t k = 0; k < 3; ++k) {
