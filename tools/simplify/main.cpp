@@ -23,7 +23,8 @@ int main(int argc, char** argv) {
              "do the "
              "mesh's own colours",
              false)
-      .output("simplified", "mesh", simplified_path, "Binary PLY with normals, and albedo if there is any")
+      .output("simplified", "mesh", simplified_path,
+              "Binary PLY with normals, with albedo and texture coordinates if there are any")
       .parameter("up_axis", up_axis, simplify::upAxes(),
                  "Axis of the mesh, as the importer delivers it, that is up and becomes +Y")
       .parameter("triangles", options.triangles, {4, 1e8}, "triangles",

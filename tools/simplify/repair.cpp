@@ -91,8 +91,7 @@ void weld(WorkingMesh& mesh, double tolerance, RepairCounts& counts) {
   for (const Triangle& t : mesh.triangles) {
     for (const Index i : t) used[i] = true;
   }
-  const auto representative =
-      tolerance > 0 ? nearRepresentatives(mesh.positions, tolerance) : exactRepresentatives(mesh.positions);
+  const std::vector<Index> representative = weldedVertices(mesh.positions, tolerance);
   for (Index i = 0; i < representative.size(); ++i) {
     if (!used[i])
       ++counts.isolated_vertices;
@@ -377,6 +376,11 @@ bool RepairCounts::clean() const {
              zero_area_triangles + kept_needles + non_manifold_edges + non_manifold_vertices +
              reoriented_triangles + one_sided_cuts + inside_out_components + isolated_vertices ==
          0;
+}
+
+std::vector<std::uint32_t> weldedVertices(const std::vector<Vec3>& positions, double weld_tolerance) {
+  return weld_tolerance > 0 ? nearRepresentatives(positions, weld_tolerance)
+                            : exactRepresentatives(positions);
 }
 
 RepairCounts repair(WorkingMesh& mesh, double weld_tolerance) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "tools/simplify/working_mesh.h"
 
@@ -35,6 +36,9 @@ inline constexpr double kNeedleHeight = 1e-5;
 // then mends in the order of RepairCounts. May leave no triangle at all. Indices must be in range, positions
 // finite. The order of surviving triangles and vertices is kept. Cost: O(n log n).
 RepairCounts repair(WorkingMesh& mesh, double weld_tolerance);
+
+// For each vertex the one that the weld merges it into, often itself.
+std::vector<std::uint32_t> weldedVertices(const std::vector<Vec3>& positions, double weld_tolerance);
 
 struct Topology {
   std::int64_t components = 0;            // connected through shared edges

@@ -52,6 +52,7 @@ Json toJson(const SimplifyReport& r) {
           {"constraints", r.constraints},
           {"edge_flips", r.flips},
           {"split_vertices", r.split_vertices},
+          {"seam_vertices", r.seam_vertices},
           {"hausdorff_over_diagonal", r.deviation.hausdorff},
           {"mean_distance_over_diagonal", r.deviation.mean},
           {"seconds", r.seconds},

@@ -13,6 +13,7 @@
 #include "tools/simplify/refine.h"
 #include "tools/simplify/relax.h"
 #include "tools/simplify/surface_query.h"
+#include "tools/simplify/texcoords.h"
 #include "tools/stage/stopwatch.h"
 
 namespace bakelight::simplify {
@@ -118,7 +119,9 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
   WorkingMesh mesh = workingMesh(input);
   const WorkingFrame frame(mesh);
   frame.apply(mesh);
-  report.repairs = repair(mesh, options.weld_tolerance * kWorkingDiagonal);
+  const double weld_tolerance = options.weld_tolerance * kWorkingDiagonal;
+  const WorkingMesh unrepaired = input.texcoords.empty() ? WorkingMesh{} : mesh;
+  report.repairs = repair(mesh, weld_tolerance);
   if (mesh.triangles.empty()) {
     throw badInput({file, "", ""}, "no triangle of the mesh has an area",
                    "at least one triangle with an area");
@@ -127,12 +130,20 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
   watch.lap("repair");
 
   const SurfaceQuery original(mesh);
+  std::vector<CornerTexcoords> texcoords;
   if (mesh.triangles.size() > static_cast<std::size_t>(options.triangles)) {
     mesh = reduce(original, options, report, watch);
+    if (!input.texcoords.empty())
+      report.left_out.push_back("texture coordinates: decimation moves their seams");
   } else {
     report.left_out.push_back("decimation: " + std::to_string(mesh.triangles.size()) +
                               " triangles are no more than the " + std::to_string(options.triangles) +
                               " asked for");
+    if (!input.texcoords.empty()) texcoords = texcoordsThroughRepair(input, unrepaired, weld_tolerance, mesh);
+    if (!input.texcoords.empty() && texcoords.empty()) {
+      report.left_out.push_back("texture coordinates: the repair changed triangles");
+      report.warnings.push_back("texture coordinates were left out: the repair changed triangles");
+    }
   }
   report.topology_out = topology(mesh);
   report.angles_in = angleQuality(original.mesh());
@@ -153,6 +164,7 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
   ShadedMesh shaded = withNormals(mesh, options.crease_angle_deg, kMinCreaseSides * side);
   report.split_vertices = shaded.split_vertices;
   result.mesh = std::move(shaded.mesh);
+  if (!texcoords.empty()) report.seam_vertices = setTexcoords(result.mesh, texcoords);
   report.vertices_out = static_cast<std::int64_t>(result.mesh.vertexCount());
   report.triangles_out = static_cast<std::int64_t>(result.mesh.triangleCount());
   watch.lap("normals");

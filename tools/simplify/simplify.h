@@ -31,6 +31,7 @@ struct SimplifyReport {
   std::int64_t crease_edges = 0, corners = 0;         // kept in place by decimation
   std::int64_t splits = 0, collapses = 0, flips = 0;  // of edges
   std::int64_t split_vertices = 0;                    // copies along creases, for flat shading
+  std::int64_t seam_vertices = 0;                     // copies along seams of the texture coordinates
   std::string constraints;  // decimation level: what had to be given up (decimate.h)
   AngleQuality angles_in, angles_out;
   double area_in = 0, area_out = 0, volume_in = 0, volume_out = 0;  // unit of length squared, cubed
@@ -41,7 +42,8 @@ struct SimplifyReport {
 };
 
 struct SimplifyResult {
-  formats::TriangleMesh mesh;  // with normals; without texcoords and colours (colors.h)
+  // With normals; without colours (colors.h). With the input's texcoords unless triangles had to change.
+  formats::TriangleMesh mesh;
   SimplifyReport report;
 };
 
