@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/mesh_ply.h"
+#include "tools/atlas/geometry_maps.h"
 #include "tools/atlas/make_atlas.h"
 #include "tools/atlas/options.h"
 #include "tools/atlas/report.h"
@@ -9,23 +10,34 @@
 
 int main(int argc, char** argv) {
   using namespace bakelight;
-  std::filesystem::path mesh_path, atlas_path, charts_path;
+  std::filesystem::path mesh_path, cuts_path, atlas_path, charts_path, maps_path;
   atlas::OptionWords words;
   stage::Tool tool("atlas", "Divides a mesh into charts, lays them flat and packs them into a square");
   tool.input("mesh", "mesh", mesh_path, "Binary PLY, as simplify writes it")
+      .input("cuts", "atlas_cuts", cuts_path, "JSON: edges that no chart crosses, and corners of polygons",
+             false)
       .output("atlas", "mesh", atlas_path,
               "The mesh with texture coordinates, its vertices copied along chart borders")
       .output("charts", "tensors", charts_path,
-              "Chart of each triangle, and where triangles and vertices come from", false);
+              "Chart of each triangle, and where triangles and vertices come from", false)
+      .output("maps", "image", maps_path,
+              "EXR: position, normal, tangent, area, triangle, chart of each texel", false);
   atlas::declareOptions(tool, words);
   return tool.run(argc, argv, [&](stage::Run& run) {
     const formats::TriangleMesh mesh = formats::readPly(mesh_path);
+    atlas::UserCuts cuts{{}, cuts_path.string(), formats::readPlyEdges(mesh_path)};
+    if (!cuts_path.empty()) cuts.cuts = atlas::readCuts(cuts_path);
     const atlas::AtlasOptions options = atlas::finishedOptions(words);
     const atlas::AtlasResult result = words.texcoords == "own"
                                           ? atlas::ownAtlas(mesh, options, mesh_path.string())
-                                          : atlas::makeAtlas(mesh, options, mesh_path.string());
+                                          : atlas::makeAtlas(mesh, cuts, options, mesh_path.string());
     formats::writePly(atlas_path, result.atlas.mesh);
     if (!charts_path.empty()) formats::writeSafetensors(charts_path, atlas::chartTables(result, options));
+    if (!maps_path.empty())
+      formats::writeExr(
+          maps_path,
+          atlas::geometryMaps(result.atlas, {options.resolution, options.border}, atlas_path.string()),
+          formats::ExrPrecision::kFloat);
     for (const std::string& warning : result.report.warnings) run.warn(warning);
     const formats::Json stats = atlas::toJson(result.report);
     for (const auto& [name, value] : stats.items()) run.stat(name, value);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "formats/error.h"
 #include "tools/atlas/float_rounding.h"
@@ -95,9 +96,19 @@ void warnAbout(const Surface& surface, AtlasReport& report) {
   warn(surface.misoriented_edges, "edges whose triangles face opposite ways became chart borders");
 }
 
+// Returns the places of chosen corners.
+std::vector<std::uint32_t> cut(Surface& surface, const UserCuts& cuts, AtlasReport& report) {
+  const MarkedEdges marked = cutMarkedEdges(surface, cuts.marked_edges);
+  if (marked.unknown > 0)
+    report.warnings.push_back(std::to_string(marked.unknown) + " marked edges are edges of no triangle");
+  AppliedCuts applied = applyCuts(surface, cuts.cuts, cuts.cuts_file);
+  report.cut_edges = marked.cut + applied.edges;
+  return std::move(applied.corner_places);
+}
+
 }  // namespace
 
-AtlasResult makeAtlas(const formats::TriangleMesh& mesh, const AtlasOptions& options,
+AtlasResult makeAtlas(const formats::TriangleMesh& mesh, const UserCuts& cuts, const AtlasOptions& options,
                       const std::string& file) {
   AtlasResult result;
   AtlasReport& report = result.report;
@@ -105,8 +116,10 @@ AtlasResult makeAtlas(const formats::TriangleMesh& mesh, const AtlasOptions& opt
   Surface surface = surfaceOf(mesh, file);
   warnAbout(surface, report);
   if (!options.cuts_only) report.crease_edges = markCreases(surface, options.crease_angle_deg);
+  ChartingOptions charting = chartingOptions(options);
+  charting.flattening.corner_places = cut(surface, cuts, report);
   watch.lap("surface");
-  const std::vector<FlatPiece> pieces = makeCharts(surface, chartingOptions(options), report.charting);
+  const std::vector<FlatPiece> pieces = makeCharts(surface, charting, report.charting);
   watch.lap("charts");
   const Packing packing = packed(pieces, options, file);
   watch.lap("packing");

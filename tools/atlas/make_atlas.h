@@ -1,6 +1,7 @@
 // The atlas stage: from a mesh to charts, laid flat and packed.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -9,6 +10,7 @@
 #include "tools/atlas/atlas.h"
 #include "tools/atlas/charting.h"
 #include "tools/atlas/check.h"
+#include "tools/atlas/cuts.h"
 
 namespace bakelight::atlas {
 
@@ -24,11 +26,19 @@ struct AtlasOptions {
   int border = 0;                    // texels around each chart that are its own, too
 };
 
+// What a person chose.
+struct UserCuts {
+  Cuts cuts;
+  std::string cuts_file;                                   // that errors name
+  std::vector<std::array<std::uint32_t, 2>> marked_edges;  // by vertices of the mesh
+};
+
 struct AtlasReport {
   ChartingReport charting;
   AtlasFigures figures;        // of the finished atlas, judged anew
   double texels_per_unit = 0;  // of the asset's unit of length
-  std::int64_t degenerate_triangles = 0, crease_edges = 0, non_manifold_edges = 0, misoriented_edges = 0;
+  std::int64_t degenerate_triangles = 0, crease_edges = 0, cut_edges = 0, non_manifold_edges = 0,
+               misoriented_edges = 0;
   std::int64_t nudged_vertices = 0;       // moved by a rounding, so that no triangle is flipped
   std::map<std::string, double> seconds;  // by step
   std::vector<std::string> warnings;
@@ -46,7 +56,7 @@ struct AtlasResult {
 // triangle is flipped and no two overlap (check.h judges the floats that are written); touched texels and
 // gutters as packing.h has them. Deterministic, the same for any number of threads. Throws Error(kBadInput)
 // as surfaceOf() and pack() do.
-AtlasResult makeAtlas(const formats::TriangleMesh& mesh, const AtlasOptions& options,
+AtlasResult makeAtlas(const formats::TriangleMesh& mesh, const UserCuts& cuts, const AtlasOptions& options,
                       const std::string& file);
 
 // Takes the mesh's own texture coordinates: the very same mesh with its charts. Throws Error(kBadInput)

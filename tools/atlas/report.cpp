@@ -18,6 +18,7 @@ formats::Json toJson(const AtlasReport& report) {
   json["merges"] = report.charting.merges;
   json["merges_tried"] = report.charting.merges_tried;
   json["crease_edges"] = report.crease_edges;
+  json["cut_edges"] = report.cut_edges;
   json["degenerate_triangles"] = report.degenerate_triangles;
   json["non_manifold_edges"] = report.non_manifold_edges;
   json["misoriented_edges"] = report.misoriented_edges;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kRounds = 12;
 // Of squared distances, in units of a piece's share of the area, against squared differences of unit normals.
-constexpr double kCompactness = 0.5;
+constexpr double kCompactness = 6;
 constexpr int kStraighteningRounds = 20;
 constexpr int kDiffusionRounds = 4, kDiffusionSteps = 12;
 // A change must shorten borders by this share of the edges that change.
