@@ -1,5 +1,7 @@
 #include "tools/atlas/packing.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +15,7 @@
 
 #include "formats/error.h"
 #include "tools/atlas/chart_outline.h"
+#include "tools/atlas/layout_search.h"
 #include "tools/atlas/occupancy.h"
 #include "tools/atlas/texel_mask.h"
 
@@ -22,23 +25,24 @@ namespace {
 // Boxes of so many texels a side are placed as boxes: what they do not fill is less than the gutter takes.
 constexpr int kBoxedSide = 6;
 
-// The square that is filled, which may be coarser than the one asked for.
-struct Grid {
-  int side = 0;      // texels
-  int distance = 0;  // free texels between charts
-  int margin = 0;    // free texels at the square's sides
+// Of texels that are `factor` of those asked for wide.
+PackingSquare squareOf(const PackingOptions& options, int factor) {
+  const auto up = [&](int texels) { return (texels + factor - 1) / factor; };
+  return {options.resolution / factor, up(options.gutter + 2 * options.border), up(options.border)};
+}
 
-  // How many charts of one texel have room in a row of them.
-  std::int64_t texelsInARow() const { return std::max(0, (side - 2 * margin + distance) / (1 + distance)); }
-};
+// How many charts of one texel have room in a row of them.
+std::int64_t texelsInARow(const PackingSquare& square) {
+  return std::max(0, (square.side - 2 * square.margin + square.distance) / (1 + square.distance));
+}
 
-void requireRoom(std::size_t charts, const Grid& grid, const PackingOptions& options,
+void requireRoom(std::size_t charts, const PackingSquare& square, const PackingOptions& options,
                  const std::string& file) {
-  const std::int64_t places = grid.texelsInARow() * grid.texelsInARow();
+  const std::int64_t places = texelsInARow(square) * texelsInARow(square);
   if (static_cast<std::int64_t>(charts) <= places) return;
   const auto in_a_row = static_cast<std::int64_t>(std::ceil(std::sqrt(static_cast<double>(charts))));
-  const std::int64_t cell = 1 + grid.distance;
-  const std::int64_t needed = in_a_row * cell - grid.distance + 2 * grid.margin;
+  const std::int64_t cell = 1 + square.distance;
+  const std::int64_t needed = in_a_row * cell - square.distance + 2 * square.margin;
   throw badInput({file, "atlas", ""},
                  std::to_string(charts) + " charts do not fit into " + std::to_string(options.resolution) +
                      "² texels: each takes " + std::to_string(cell * cell) +
@@ -58,7 +62,7 @@ struct Placed {
 // Fills the square from below, chart by chart.
 class Filling {
  public:
-  explicit Filling(const Grid& grid) : grid_(grid), occupancy_(grid.side) {}
+  explicit Filling(const PackingSquare& square) : square_(square), occupancy_(square.side) {}
 
   // The lowest place of the chart in the given turns, by its upper end.
   std::optional<Placed> place(const ChartOutline& outline, double texels_per_unit,
@@ -71,15 +75,19 @@ class Filling {
         best = placeBox(std::move(turned));
         break;
       }
-      const int end = std::min(grid_.side - grid_.margin - mask.height + 1,
-                               best ? best->top() - mask.height : grid_.side);
-      for (int y = grid_.margin; y < end; ++y)
-        if (const auto x = occupancy_.firstFree(mask, y, grid_.margin)) {
+      const int end = std::min(square_.side - square_.margin - mask.height + 1,
+                               best ? best->top() - mask.height : square_.side);
+      for (int y = square_.margin; y < end; ++y)
+        if (const auto x = occupancy_.firstFree(mask, y, square_.margin)) {
           best = {std::move(turned), *x, y};
           break;
         }
     }
-    if (best) occupancy_.take(dilated(best->chart.mask, grid_.distance), best->x, best->y);
+    if (best) {
+      const double reach = kBlowUp + square_.distance;
+      const auto vertices = placedVertices(outline, texels_per_unit, best->chart.at(0, 0));
+      occupancy_.take(texelsOf(outline, vertices, {reach, reach}), best->x, best->y);
+    }
     return best;
   }
 
@@ -92,21 +100,22 @@ class Filling {
     box.row_begins.resize(height + 1);
     std::iota(box.row_begins.begin(), box.row_begins.end(), 0u);
     box.spans.assign(height, {0, width});
-    int& y = cursors_.try_emplace({width, height}, grid_.margin).first->second;
-    for (; y + height <= grid_.side - grid_.margin; ++y)
-      if (const auto x = occupancy_.firstFree(box, y, grid_.margin)) return Placed{std::move(turned), *x, y};
+    int& y = cursors_.try_emplace({width, height}, square_.margin).first->second;
+    for (; y + height <= square_.side - square_.margin; ++y)
+      if (const auto x = occupancy_.firstFree(box, y, square_.margin))
+        return Placed{std::move(turned), *x, y};
     return std::nullopt;
   }
 
-  Grid grid_;
+  PackingSquare square_;
   Occupancy occupancy_;
   std::map<std::pair<int, int>, int> cursors_;
 };
 
 std::optional<std::vector<Placement>> placedAtScale(const std::vector<ChartOutline>& outlines,
-                                                    const std::vector<std::uint32_t>& order, const Grid& grid,
-                                                    double texels_per_unit) {
-  Filling filling(grid);
+                                                    const std::vector<std::uint32_t>& order,
+                                                    const PackingSquare& square, double texels_per_unit) {
+  Filling filling(square);
   std::vector<Placement> placements(outlines.size());
   for (const std::uint32_t i : order) {
     std::array<double, 4> angles{};
@@ -114,25 +123,27 @@ std::optional<std::vector<Placement>> placedAtScale(const std::vector<ChartOutli
       angles[k] = outlines[i].upright_angle_rad + static_cast<double>(k) * std::numbers::pi / 2;
     const auto placed = filling.place(outlines[i], texels_per_unit, angles);
     if (!placed) return std::nullopt;
-    placements[i] = {placed->chart.angle_rad, placed->chart.offset + Vec2(placed->x, placed->y)};
+    placements[i] = placed->chart.at(placed->x, placed->y);
   }
   return placements;
 }
 
-}  // namespace
+// A square of fewer texels where those asked for are finer than helps: but charts must stay much larger than
+// a texel. What keeps the distance there keeps it in the finer one.
+int coarsening(std::size_t charts, const PackingOptions& options) {
+  constexpr int kFineEnough = 1024;
+  int factor = (options.resolution + kFineEnough - 1) / kFineEnough;
+  const auto roomy = [&] {
+    const std::int64_t row = texelsInARow(squareOf(options, factor));
+    return row * row >= 64 * static_cast<std::int64_t>(charts);
+  };
+  while (factor > 1 && !roomy()) --factor;
+  return factor;
+}
 
-Packing pack(std::span<const FlatChart> charts, const PackingOptions& options, const std::string& file) {
-  const Grid grid{options.resolution, options.gutter + 2 * options.border, options.border};
-  requireRoom(charts.size(), grid, options, file);
-  if (charts.empty()) return {1, {}};
-
-  std::vector<ChartOutline> outlines(charts.size());
-  std::transform(charts.begin(), charts.end(), outlines.begin(), outlineOf);
-  std::vector<std::uint32_t> order(charts.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return outlines[a].area > outlines[b].area; });
-
+// The largest scale at which charts of the given order can be placed from below.
+Packing filledPacking(const std::vector<ChartOutline>& outlines, const std::vector<std::uint32_t>& order,
+                      const PackingSquare& square) {
   double area = 0, longest = 0;
   for (const ChartOutline& outline : outlines) {
     area += outline.area;
@@ -140,12 +151,12 @@ Packing pack(std::span<const FlatChart> charts, const PackingOptions& options, c
     longest = std::max(longest, (high - low).norm());
   }
   // At the lower scale each chart takes one texel, so all fit; at the upper their areas fill the square.
-  double low = 0.9 / longest, high = std::max(grid.side / std::sqrt(area), 1.01 * low);
-  auto best = placedAtScale(outlines, order, grid, low);
+  double low = 0.9 / longest, high = std::max(square.side / std::sqrt(area), 1.01 * low);
+  auto best = placedAtScale(outlines, order, square, low);
   if (!best) throw std::logic_error("pack: charts of one texel each have no room");
   while (high > 1.003 * low) {
     const double middle = std::sqrt(low * high);
-    if (auto placements = placedAtScale(outlines, order, grid, middle)) {
+    if (auto placements = placedAtScale(outlines, order, square, middle)) {
       best = std::move(placements);
       low = middle;
     } else {
@@ -153,6 +164,30 @@ Packing pack(std::span<const FlatChart> charts, const PackingOptions& options, c
     }
   }
   return {low, std::move(*best)};
+}
+
+}  // namespace
+
+Packing pack(std::span<const FlatChart> charts, const PackingOptions& options, const std::string& file) {
+  requireRoom(charts.size(), squareOf(options, 1), options, file);
+  if (charts.empty()) return {1, {}};
+
+  std::vector<ChartOutline> outlines(charts.size());
+  tbb::parallel_for(std::size_t{0}, charts.size(),
+                    [&](std::size_t i) { outlines[i] = outlineOf(charts[i]); });
+  std::vector<std::uint32_t> order(charts.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return outlines[a].area > outlines[b].area; });
+
+  const int factor = coarsening(charts.size(), options);
+  const PackingSquare square = squareOf(options, factor);
+  std::optional<Packing> packing;
+  if (charts.size() <= kMostChartsSearched) packing = searchedPacking(outlines, order, square);
+  if (!packing) packing = filledPacking(outlines, order, square);
+  packing->texels_per_unit *= factor;
+  for (Placement& placement : packing->placements) placement.offset *= factor;
+  return *packing;
 }
 
 }  // namespace bakelight::atlas

@@ -7,19 +7,19 @@
 namespace bakelight::atlas {
 namespace {
 
-constexpr double kBlowUp = 1.0 / 64;
-
-int firstTouched(double coordinate) {
-  return static_cast<int>(std::floor(coordinate - kBlowUp));
+int firstCell(double coordinate, const CellGrowth& growth) {
+  return static_cast<int>(std::floor(coordinate - growth.high));
 }
-int lastTouched(double coordinate) {
-  return static_cast<int>(std::ceil(coordinate + kBlowUp)) - 1;
+int lastCell(double coordinate, const CellGrowth& growth) {
+  return static_cast<int>(std::ceil(coordinate + growth.low)) - 1;
 }
 
 // Intervals collected in any order and by any row, then merged.
 class RowIntervals {
  public:
-  void add(int row, Span span) { entries_.push_back({row, span}); }
+  void add(int row, Span span) {
+    if (span.begin < span.end) entries_.push_back({row, span});
+  }
 
   // Overlapping and adjacent spans become one.
   TexelMask mask() const {
@@ -70,17 +70,17 @@ class RowIntervals {
   std::vector<Entry> entries_;
 };
 
-void addEdge(const Vec2& a, const Vec2& b, RowIntervals& intervals) {
+void addEdge(const Vec2& a, const Vec2& b, const CellGrowth& growth, RowIntervals& intervals) {
   const Vec2 &low = a.y() <= b.y() ? a : b, &high = a.y() <= b.y() ? b : a;
   const double slope = high.y() > low.y() ? (high.x() - low.x()) / (high.y() - low.y()) : 0;
   const double x_min = std::min(a.x(), b.x()), x_max = std::max(a.x(), b.x());
   const auto xAt = [&](double y) { return std::clamp(low.x() + (y - low.y()) * slope, x_min, x_max); };
-  const int last = lastTouched(high.y());
-  for (int row = firstTouched(low.y()); row <= last; ++row) {
-    const double below = row - kBlowUp, above = row + 1 + kBlowUp;
+  const int last = lastCell(high.y(), growth);
+  for (int row = firstCell(low.y(), growth); row <= last; ++row) {
+    const double below = row - growth.low, above = row + 1 + growth.high;
     const double x0 = below <= low.y() ? low.x() : xAt(below);
     const double x1 = above >= high.y() ? high.x() : xAt(above);
-    intervals.add(row, {firstTouched(std::min(x0, x1)), lastTouched(std::max(x0, x1)) + 1});
+    intervals.add(row, {firstCell(std::min(x0, x1), growth), lastCell(std::max(x0, x1), growth) + 1});
   }
 }
 
@@ -109,8 +109,8 @@ void addInside(std::vector<Crossing>& crossings, RowIntervals& intervals) {
   for (std::size_t i = 0; i + 1 < crossings.size(); ++i) {
     winding += crossings[i].winding;
     if (winding != 0 && crossings[i].row == crossings[i + 1].row)
-      intervals.add(crossings[i].row, {static_cast<int>(std::floor(crossings[i].x)),
-                                       static_cast<int>(std::ceil(crossings[i + 1].x))});
+      intervals.add(crossings[i].row, {static_cast<int>(std::ceil(crossings[i].x - 0.5)),
+                                       static_cast<int>(std::ceil(crossings[i + 1].x - 0.5))});
   }
 }
 
@@ -122,7 +122,8 @@ std::int64_t TexelMask::texelCount() const {
   return count;
 }
 
-TexelMask touchedTexels(const ChartOutline& outline, double texels_per_unit, const Placement& placement) {
+std::vector<Vec2> placedVertices(const ChartOutline& outline, double texels_per_unit,
+                                 const Placement& placement) {
   const double c = texels_per_unit * std::cos(placement.angle_rad);
   const double s = texels_per_unit * std::sin(placement.angle_rad);
   std::vector<Vec2> points;
@@ -130,39 +131,36 @@ TexelMask touchedTexels(const ChartOutline& outline, double texels_per_unit, con
   for (const Vec2& p : outline.vertices)
     points.emplace_back(c * p.x() - s * p.y() + placement.offset.x(),
                         s * p.x() + c * p.y() + placement.offset.y());
+  return points;
+}
+
+TexelMask texelsOf(const ChartOutline& outline, const std::vector<Vec2>& points, const CellGrowth& growth) {
   RowIntervals intervals;
   std::vector<Crossing> crossings;
   for (const auto& [from, to] : outline.edges) {
-    addEdge(points[from], points[to], intervals);
+    addEdge(points[from], points[to], growth, intervals);
     addCrossings(points[from], points[to], crossings);
   }
   addInside(crossings, intervals);
   return intervals.mask();
 }
 
-TurnedChart turnedChart(const ChartOutline& outline, double texels_per_unit, double angle_rad) {
+TurnedChart turnedChart(const ChartOutline& outline, double texels_per_unit, double angle_rad,
+                        const CellGrowth& growth) {
   TurnedChart turned;
   turned.angle_rad = angle_rad;
   const auto [low, high] = turnedBox(outline.hull, angle_rad);
   const Vec2 extent = texels_per_unit * (high - low);
   for (int axis = 0; axis < 2; ++axis) {
-    const double texels = std::max(1.0, std::ceil(extent[axis] + 2 * kBlowUp));
-    turned.offset[axis] = (texels - extent[axis]) / 2 - texels_per_unit * low[axis];
+    const double cells = extent[axis] + growth.low + growth.high;
+    const double slack = std::max(1.0, std::ceil(cells)) - cells;
+    turned.offset[axis] = slack / 2 + growth.high - texels_per_unit * low[axis];
   }
-  turned.mask = touchedTexels(outline, texels_per_unit, {angle_rad, turned.offset});
+  turned.mask =
+      texelsOf(outline, placedVertices(outline, texels_per_unit, {angle_rad, turned.offset}), growth);
   turned.offset -= Vec2(turned.mask.left, turned.mask.bottom);
   turned.mask.left = turned.mask.bottom = 0;
   return turned;
-}
-
-TexelMask dilated(const TexelMask& mask, int radius) {
-  RowIntervals intervals;
-  for (int r = 0; r < mask.height; ++r)
-    for (std::uint32_t i = mask.row_begins[r]; i < mask.row_begins[r + 1]; ++i)
-      for (int dy = -radius; dy <= radius; ++dy)
-        intervals.add(mask.bottom + r + dy,
-                      {mask.left + mask.spans[i].begin - radius, mask.left + mask.spans[i].end + radius});
-  return intervals.mask();
 }
 
 }  // namespace bakelight::atlas

@@ -21,22 +21,34 @@ struct TexelMask {
   std::int64_t texelCount() const;
 };
 
-// A chart of the size and in the turn at which it is placed, relative to its mask's box: at home if the box's
-// lower left is texel (0, 0), so left = bottom = 0.
-struct TurnedChart {
-  double angle_rad = 0;
-  Vec2 offset = Vec2::Zero();  // the placement's, for the box at (0, 0)
-  TexelMask mask;
+// By how much the cell of a texel is larger than the texel: the cell of (i, j) is the open square from i −
+// low, j − low to i + 1 + high, j + 1 + high. May be negative, above −1/2.
+struct CellGrowth {
+  double low = 0, high = 0;
 };
 
-// The texels that the outline touches, conservatively: `packing.h` has the definition, with a square of half
-// a side of 1/64 texel for the disk. Cost: O(edges' rows).
-TexelMask touchedTexels(const ChartOutline& outline, double texels_per_unit, const Placement& placement);
+// What touching a texel means in packing.h, with a square of half a side of 1/64 for the disk.
+inline constexpr double kBlowUp = 1.0 / 64;
+inline constexpr CellGrowth kTouched{kBlowUp, kBlowUp};
 
-// The chart lies in the middle of as few rows and columns of texels as it can touch.
-TurnedChart turnedChart(const ChartOutline& outline, double texels_per_unit, double angle_rad);
+// The texels whose cells overlap the chart with its vertices at `points`. With kTouched grown by n texels
+// these are the touched ones and those up to n texels from them. Cost: O(edges' rows).
+TexelMask texelsOf(const ChartOutline& outline, const std::vector<Vec2>& points, const CellGrowth& growth);
 
-// All texels (i, j) with max(|Δi|, |Δj|) ≤ radius from one of the mask.
-TexelMask dilated(const TexelMask& mask, int radius);
+std::vector<Vec2> placedVertices(const ChartOutline& outline, double texels_per_unit,
+                                 const Placement& placement);
+
+// A chart of one size in one turn, where its mask's box begins at texel (0, 0).
+struct TurnedChart {
+  double angle_rad = 0;
+  Vec2 offset = Vec2::Zero();  // the placement's
+  TexelMask mask;
+
+  Placement at(int x, int y) const { return {angle_rad, offset + Vec2(x, y)}; }
+};
+
+// The chart lies in the middle of as few rows and columns of cells as it can overlap.
+TurnedChart turnedChart(const ChartOutline& outline, double texels_per_unit, double angle_rad,
+                        const CellGrowth& growth = kTouched);
 
 }  // namespace bakelight::atlas
