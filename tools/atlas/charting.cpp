@@ -105,19 +105,25 @@ class Charting {
     return sets;
   }
 
-  // Each piece into as many as its share of the area asks for.
+  // Regions that lie flat well as they are stay whole; the others become as many pieces as their share of the
+  // area asks for.
   void divideRegions() {
     std::vector<std::vector<TriangleSet>> made(pieces_.size());
     tbb::parallel_for(std::size_t{0}, pieces_.size(), [&](std::size_t p) {
       double area = 0;
       for (const std::uint32_t t : pieces_[p].triangles) area += surface_.areas[t];
       const int count = static_cast<int>(std::lround(options_.pieces * area));
-      if (count > 1) made[p] = divided(pieces_[p].triangles, count);
+      if (count <= 1) return;
+      auto whole = flatten(surface_, pieces_[p].triangles, options_.flattening);
+      if (whole && solidityOf(*whole) >= options_.solidity)
+        pieces_[p].flat = std::move(whole);
+      else
+        made[p] = divided(pieces_[p].triangles, count);
     });
     std::vector<Piece> regions = std::move(pieces_);
     pieces_.clear();
     for (std::size_t p = 0; p < regions.size(); ++p) {
-      if (made[p].empty()) add(std::move(regions[p].triangles), regions[p].region);
+      if (made[p].empty()) pieces_.push_back(std::move(regions[p]));
       for (TriangleSet& set : made[p]) add(std::move(set), regions[p].region);
     }
     report_.first_pieces = static_cast<std::int64_t>(pieces_.size());

@@ -1,0 +1,189 @@
+#include "tools/atlas/free_boundary.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "bodies.h"
+#include "flat_shapes.h"
+#include "tools/atlas/injectivity.h"
+#include "tools/atlas/stretch.h"
+
+namespace bakelight::atlas {
+namespace {
+
+using tests::wholeChart;
+
+// Σ area · (σ₁² + σ₂² + 1/σ₁² + 1/σ₂²) straight from the singular values.
+double symmetricDirichlet(const Chart& chart, const std::vector<Vec2>& plane) {
+  double sum = 0;
+  for (const Triangle& t : chart.triangles) {
+    const std::array<Vec3, 3> corners = {chart.positions[t[0]], chart.positions[t[1]], chart.positions[t[2]]};
+    const Singular s = singularValues(corners, {plane[t[0]], plane[t[1]], plane[t[2]]});
+    const double area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).norm() / 2;
+    sum += area * (s.larger * s.larger + s.smaller * s.smaller + 1 / (s.larger * s.larger) +
+                   1 / (s.smaller * s.smaller));
+  }
+  return sum;
+}
+
+std::vector<Vec2> flattened(const Chart& chart) {
+  auto start = flatStart(chart);
+  EXPECT_TRUE(start.has_value());
+  return minimiseDistortion(chart, std::move(*start), {100, 1e-12});
+}
+
+// A strip of a surface that is not closed around: quads (i, j), 0 ≤ i ≤ m.
+template <class Place>
+formats::TriangleMesh patch(std::uint32_t m, std::uint32_t n, const Place& place) {
+  formats::TriangleMesh mesh;
+  for (std::uint32_t j = 0; j <= n; ++j)
+    for (std::uint32_t i = 0; i <= m; ++i)
+      mesh.positions.push_back(
+          transport::float3(place(static_cast<double>(i) / m, static_cast<double>(j) / n)));
+  for (std::uint32_t j = 0; j < n; ++j)
+    for (std::uint32_t i = 0; i < m; ++i) {
+      const std::uint32_t a = j * (m + 1) + i;
+      mesh.triangles.push_back({a, a + 1, a + m + 2});
+      mesh.triangles.push_back({a, a + m + 2, a + m + 1});
+    }
+  return mesh;
+}
+
+void expectIsometric(const formats::TriangleMesh& mesh) {
+  const Chart chart = wholeChart(mesh);
+  const std::vector<Vec2> plane = flattened(chart);
+  EXPECT_EQ(flippedTriangles(chart, plane), 0);
+  // Rounding of the positions to float bends a developable surface by about 1e-7.
+  EXPECT_NEAR(stretchOf(chart, plane).l2(), 1, 1e-9);
+  for (const Triangle& t : chart.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double length = (chart.positions[t[k]] - chart.positions[t[(k + 1) % 3]]).norm();
+      EXPECT_NEAR((plane[t[k]] - plane[t[(k + 1) % 3]]).norm(), length, 2e-5 * length);
+    }
+}
+
+TEST(FreeBoundary, RollsOutACylinder) {
+  expectIsometric(
+      patch(40, 10, [](double u, double v) { return Vec3(std::cos(5 * u), std::sin(5 * u), v); }));
+}
+
+TEST(FreeBoundary, RollsOutACone) {
+  expectIsometric(patch(40, 10, [](double u, double v) {
+    const double r = 0.2 + v;
+    return Vec3(r * std::cos(4 * u), r * std::sin(4 * u), 2 * r);
+  }));
+}
+
+TEST(FreeBoundary, LeavesAFlatRingAsItIs) {
+  const Chart ring = wholeChart(tests::wrappedGrid(60, 4, false, [](std::uint32_t i, std::uint32_t j) {
+    const double u = 2 * std::numbers::pi * i / 60, r = 2 - 0.2 * j;
+    return Vec3(r * std::cos(u), r * std::sin(u), 0);
+  }));
+  ASSERT_EQ(ring.borders.size(), 2u);
+  EXPECT_NEAR(stretchOf(ring, flattened(ring)).l2(), 1, 1e-12);
+}
+
+TEST(FreeBoundary, BeatsTheMapsOfASphericalCapInTheBooks) {
+  constexpr double kHalfAngle = 60;
+  const Chart chart = wholeChart(tests::dome(12, kHalfAngle));
+  const std::vector<Vec2> plane = flattened(chart);
+  EXPECT_TRUE(isInjective(chart, plane));
+  // Radii by polar angle of the azimuthal equidistant, equal-area and conformal projections; the chart's unit
+  // is that of a whole area of 1.
+  const double unit = 1 / std::sqrt(tests::surfaceArea(tests::dome(12, kHalfAngle)));
+  const std::array<double (*)(double), 3> radii = {[](double a) { return a; },
+                                                   [](double a) { return 2 * std::sin(a / 2); },
+                                                   [](double a) { return 2 * std::tan(a / 2); }};
+  const formats::TriangleMesh mesh = tests::dome(12, kHalfAngle);
+  double best = 1e9;
+  for (const auto& radius : radii) {
+    std::vector<Vec2> projected;
+    for (const std::uint32_t place : chart.places) {
+      const Vec3 p = transport::vec3(mesh.positions[place]);
+      const double polar = std::acos(std::min(1.0, p.z())), length = std::hypot(p.x(), p.y());
+      projected.push_back(
+          length > 0 ? Vec2(unit * radius(polar) * p.x() / length, unit * radius(polar) * p.y() / length)
+                     : Vec2(0, 0));
+    }
+    best = std::min(best, symmetricDirichlet(chart, projected));
+  }
+  EXPECT_LT(symmetricDirichlet(chart, plane), best);
+  EXPECT_GT(symmetricDirichlet(chart, plane), 4 * chart.area);  // no sphere is flat
+}
+
+TEST(FreeBoundary, IsAMinimum) {
+  const Chart chart = wholeChart(tests::dome(6, 70));
+  const std::vector<Vec2> plane = flattened(chart);
+  // The scaling is for the L² stretch; that of the energy is found along it.
+  const double energy = symmetricDirichlet(chart, plane);
+  for (std::size_t v = 0; v < plane.size(); ++v)
+    for (const Vec2& way : {Vec2(1e-3, 0), Vec2(0, 1e-3), Vec2(-1e-3, 0), Vec2(0, -1e-3)}) {
+      std::vector<Vec2> moved = plane;
+      moved[v] += way;
+      EXPECT_GT(symmetricDirichlet(chart, moved), energy);
+    }
+}
+
+TEST(FreeBoundary, CopesWithNeedles) {
+  formats::TriangleMesh mesh = tests::dome(4, 50);
+  // A vertex pulled towards its neighbour until the triangles at that edge are 1e5 times as long as high.
+  const auto& t = mesh.triangles[0];
+  for (std::size_t k = 0; k < 3; ++k)
+    mesh.positions[t[0]][k] =
+        mesh.positions[t[1]][k] + 1e-5f * (mesh.positions[t[0]][k] - mesh.positions[t[1]][k]);
+  const Chart chart = wholeChart(mesh);
+  const std::vector<Vec2> plane = flattened(chart);
+  EXPECT_EQ(flippedTriangles(chart, plane), 0);
+  EXPECT_LT(stretchOf(chart, plane).l2(), 1.05);
+}
+
+TEST(FreeBoundary, HasNoStartForAClosedBody) {
+  EXPECT_FALSE(flatStart(wholeChart(tests::icosphere(1))).has_value());
+}
+
+TEST(Injectivity, FindsTheTurnsOfASpiralOnEachOther) {
+  const Chart three_quarters = wholeChart(tests::spiralRibbon(0.75, 60)),
+              twice = wholeChart(tests::spiralRibbon(2, 160));
+  EXPECT_FALSE(bordersCross(three_quarters, flattened(three_quarters)));
+  const std::vector<Vec2> plane = flattened(twice);
+  EXPECT_EQ(flippedTriangles(twice, plane), 0);  // triangle by triangle all is well
+  EXPECT_TRUE(bordersCross(twice, plane));
+  EXPECT_FALSE(isInjective(twice, plane));
+}
+
+TEST(Injectivity, CountsFlippedTrianglesExactly) {
+  const Chart chart = wholeChart(tests::flatDisk(1));
+  std::vector<Vec2> plane;
+  for (const Vec3& p : chart.positions) plane.emplace_back(p.x(), p.y());
+  EXPECT_EQ(flippedTriangles(chart, plane), 0);
+  // The middle onto the edge between two of its neighbours, and a hair beyond it.
+  const Triangle& t = chart.triangles[0];
+  const std::size_t k = chart.places[t[0]] == 0 ? 0 : chart.places[t[1]] == 0 ? 1 : 2;
+  const Vec2 a = plane[t[(k + 1) % 3]], b = plane[t[(k + 2) % 3]];
+  plane[t[k]] = a;
+  EXPECT_EQ(flippedTriangles(chart, plane), 2);  // both triangles at the edge to a have collapsed
+  plane[t[k]] = a + 1.5 * (b - a);
+  EXPECT_GE(flippedTriangles(chart, plane), 1);
+}
+
+TEST(Stretch, OfKnownMaps) {
+  const std::array<Vec3, 3> surface = {Vec3(1, 2, 3), Vec3(3, 2, 3), Vec3(2, 2, 7)};
+  const auto planeOf = [](double sx, double sy, double shear) {
+    return std::array<Vec2, 3>{Vec2(0, 0), Vec2(2 * sx, 0), Vec2(1 * sx + 4 * shear, 4 * sy)};
+  };
+  const Singular scaled = singularValues(surface, planeOf(3, 0.5, 0));
+  EXPECT_NEAR(scaled.larger, 3, 1e-12);
+  EXPECT_NEAR(scaled.smaller, 0.5, 1e-12);
+  EXPECT_NEAR(singularValues(surface, planeOf(3, -0.5, 0)).smaller, -0.5, 1e-12);
+  // Sander's L² of a map that scales by a and b, at the scale that keeps area: √((a/b + b/a)/2).
+  StretchSum sum;
+  sum.add(4, scaled, 4 * 1.5);
+  EXPECT_NEAR(sum.l2(), std::sqrt((6 + 1.0 / 6) / 2), 1e-12);
+  EXPECT_NEAR(sum.lInfinity(), 2 * std::sqrt(1.5), 1e-12);
+  EXPECT_NEAR(sum.meanAnisotropy(), 6, 1e-12);
+  sum.add(1, singularValues(surface, planeOf(1, 0, 0)), 0);
+  EXPECT_TRUE(std::isinf(sum.l2()));
+}
+
+}  // namespace
+}  // namespace bakelight::atlas
