@@ -1,11 +1,11 @@
 // Gives a PLY mesh, as simplify writes it, texture coordinates by xatlas (WebAssembly, one thread). Prints one line of JSON.
-//   node xatlas.js MODULES IN.ply OUT.ply RESOLUTION PADDING
+//   node xatlas.js MODULES IN.ply OUT.ply RESOLUTION GUTTER
 'use strict';
 const fs = require('fs');
 const path = require('path');
 const { createRequire } = require('module');
 
-const [modules, input, output, resolution, padding] = process.argv.slice(2);
+const [modules, input, output, resolution, gutter] = process.argv.slice(2);
 
 // Positions, normals if there are any, and indices.
 function readMesh(file) {
@@ -67,7 +67,8 @@ async function main() {
     ...(mesh.normals && { vertexNormalData: mesh.normals, vertexNormalStride: 12 }),
     indexData: mesh.indices, indexCount: mesh.indices.length,
   });
-  atlas.generate({}, { resolution: Number(resolution), padding: Number(padding), bilinear: true });
+  // Its padding is around each chart, so that gutters are twice as wide; texels for bilinear filtering would come on top.
+  atlas.generate({}, { resolution: Number(resolution), padding: Math.ceil(Number(gutter) / 2), bilinear: false });
   const seconds = Number(process.hrtime.bigint() - start) / 1e9;
   if (atlas.atlasCount !== 1) throw new Error(`xatlas made ${atlas.atlasCount} atlases of it, where one is to be judged`);
 
