@@ -6,6 +6,7 @@
 #include "formats/error.h"
 #include "formats/mesh_ply.h"
 #include "formats/stage_record.h"
+#include "tools/inspect/atlas_figures.h"
 #include "tools/inspect/describe_parts.h"
 #include "tools/inspect/image_figures.h"
 #include "tools/inspect/mesh_figures.h"
@@ -39,6 +40,19 @@ Section shapeSection(const MeshFigures& figures) {
            {"smallest_angle_deg", figures.smallest_angle_deg.minimum(), "deg"},
            {"mean_smallest_angle_deg", figures.smallest_angle_deg.mean(), "deg"},
            {"degenerate_triangles", figures.degenerate_triangles, ""}},
+          {},
+          {}};
+}
+
+Section atlasSection(const AtlasFigures& figures) {
+  return {"texture_coordinates",
+          {{"charts", figures.charts, ""},
+           {"unit_square_share", figures.unit_square_share, ""},
+           {"l2_stretch", std::isfinite(figures.l2_stretch) ? Json(figures.l2_stretch) : Json(), ""},
+           {"mirrored_charts", figures.mirrored_charts, ""},
+           {"flipped_triangles", figures.flipped_triangles, ""},
+           {"collapsed_triangles", figures.collapsed_triangles, ""},
+           {"triangles_outside", figures.triangles_outside, ""}},
           {},
           {}};
 }
@@ -144,6 +158,7 @@ std::vector<Section> describeMesh(const formats::TriangleMesh& mesh, const std::
   const MeshFigures figures = measureMesh(mesh);
   std::vector<Section> sections = {sizeSection(figures), shapeSection(figures), topologySection(figures),
                                    attributesSection(figures, formats::geometryHash(mesh))};
+  if (!mesh.texcoords.empty()) sections.push_back(atlasSection(measureAtlas(mesh)));
   if (!notes.empty()) sections.push_back(listSection("notes", "note", notes));
   return sections;
 }

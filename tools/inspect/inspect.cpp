@@ -26,7 +26,9 @@ formats::MeshImport readMesh(const std::filesystem::path& path) {
 void inspectMesh(const std::filesystem::path& path, const Options& options, Inspection& inspection) {
   const formats::MeshImport import = readMesh(path);
   inspection.summary.sections = describeMesh(import.mesh, import.notes);
-  if (options) inspection.preview = previewMesh(import.mesh, *options, path.string());
+  if (options)
+    inspection.preview = options->showsTexcoords() ? previewAtlas(import.mesh, *options, path.string())
+                                                   : previewMesh(import.mesh, *options, path.string());
 }
 
 void inspectImage(const std::filesystem::path& path, const Options& options, Inspection& inspection) {
@@ -46,7 +48,9 @@ void inspectPack(const std::filesystem::path& path, const Options& options, Insp
   const formats::Bytes bytes = formats::readFile(path);
   const formats::Pack pack = formats::decodePack(bytes, path.string());
   inspection.summary.sections = describePack(pack, bytes, path.string());
-  if (options) inspection.preview = previewPack(pack, *options, path.string());
+  if (options)
+    inspection.preview = options->showsTexcoords() ? previewAtlas(pack.mesh, *options, path.string())
+                                                   : previewPack(pack, *options, path.string());
 }
 
 void inspectRecord(const std::filesystem::path& path, const Options& options, Inspection& inspection) {

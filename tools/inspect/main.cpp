@@ -9,7 +9,7 @@ using namespace bakelight;
 int main(int argc, char** argv) {
   std::filesystem::path file_path, preview_path;
   inspect::PreviewOptions options;
-  std::string format = "text";
+  std::string format = "text", paint = inspect::paintNames().front(), layout = inspect::layoutNames().front();
 
   stage::Tool tool("inspect", "Says what is in a mesh, image, tensor file, pack or record, and draws it.");
   tool.input("file", "any", file_path, "File to look into")
@@ -17,9 +17,15 @@ int main(int argc, char** argv) {
       .parameter("format", format, {"text", "json"}, "How to print the summary")
       .parameter("size", options.size_px, {16, 8192}, "px", "Longer side of the preview")
       .parameter("yaw_deg", options.yaw_deg, {-360, 360}, "deg", "Camera angle around +Y, 0 stands at +Z")
-      .parameter("pitch_deg", options.pitch_deg, {-89, 89}, "deg", "Camera angle above the horizon");
+      .parameter("pitch_deg", options.pitch_deg, {-89, 89}, "deg", "Camera angle above the horizon")
+      .parameter("paint", paint, inspect::paintNames(),
+                 "Of a mesh's or pack's preview: a colour for each chart, or how much texture triangles have")
+      .parameter("layout", layout, inspect::layoutNames(),
+                 "Of a mesh's or pack's preview: the model, or its texture coordinates in the unit square");
 
   return tool.run(argc, argv, [&](stage::Run&) {
+    options.paint = inspect::paintOf(paint);
+    options.layout = inspect::layoutOf(layout);
     const bool draws = !preview_path.empty();
     const inspect::Inspection inspection =
         inspect::inspectFile(file_path, draws ? std::optional(options) : std::nullopt);

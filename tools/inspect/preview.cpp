@@ -4,81 +4,28 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
 #include "formats/error.h"
+#include "tools/inspect/colormap.h"
 #include "tools/inspect/image_figures.h"
-#include "tools/inspect/mesh_figures.h"
+#include "tools/inspect/render.h"
 #include "tools/inspect/tensor_figures.h"
 #include "transport/color.h"
-#include "transport/cpu_renderer.h"
 #include "transport/evaluator.h"
 #include "transport/glossy_evaluator.h"
 #include "transport/lights.h"
 
 namespace bakelight::inspect {
 
-using formats::Float3;
 using formats::Image;
 using formats::TriangleMesh;
-using transport::Vec3;
-using transport::vec3;
 
 namespace {
-
-constexpr double kMiddleValue = 0.4;  // linear; where the mean goes, as in the player
-constexpr int kSupersampling = 3;
-constexpr float kClayAlbedo = 0.65f;  // so that the lit side keeps its form
-constexpr float kBackdropRadiance = 0.03f;
-constexpr std::array<float, 3> kNotFiniteColor = {1, 0, 1};
 
 std::string format(const char* pattern, double value) {
   char text[128];
   std::snprintf(text, sizeof text, pattern, value);
   return text;
-}
-
-// --- renders ---
-
-double meanLuminance(const transport::ShLight& light) {
-  return luminance(light[0][0], light[0][1], light[0][2]) / std::sqrt(4 * std::numbers::pi);
-}
-
-transport::OrbitCamera cameraFor(const TriangleMesh& mesh, const PreviewOptions& options,
-                                 const std::string& file) {
-  const transport::BoundingSphere bounds = transport::boundingSphere(mesh);
-  if (!(bounds.radius > 0) || mesh.triangles.empty())
-    throw badInput({file, "", ""}, "the mesh has no extent, there is nothing to see",
-                   "at least one triangle");
-  return transport::frameSphere(bounds, options.yaw_deg, options.pitch_deg, 35, 1);
-}
-
-Image render(const TriangleMesh& mesh, const std::vector<Float3>& vertex_radiance,
-             const transport::OrbitCamera& camera, double exposure, const PreviewOptions& options) {
-  const transport::RayScene scene(mesh);
-  const auto backdrop = [exposure](const Vec3&) {
-    const auto grey = static_cast<float>(kBackdropRadiance / exposure);
-    return formats::Float4{grey, grey, grey, 1};
-  };
-  const transport::CpuPicture picture = transport::renderOnCpu(
-      mesh, scene, vertex_radiance, camera, {options.size_px, options.size_px, kSupersampling}, backdrop);
-  return transport::encodeForDisplay(picture.linear, static_cast<float>(exposure));
-}
-
-// Area-weighted over all triangles that meet at a position.
-std::vector<Float3> smoothNormals(const TriangleMesh& mesh) {
-  const std::vector<std::uint32_t> first = firstVertexAtPosition(mesh);
-  std::vector<Vec3> sums(mesh.vertexCount(), Vec3::Zero());
-  for (const formats::Triangle& t : mesh.triangles) {
-    const Vec3 a = vec3(mesh.positions[t[0]]);
-    const Vec3 normal = (vec3(mesh.positions[t[1]]) - a).cross(vec3(mesh.positions[t[2]]) - a);
-    for (const std::uint32_t vertex : t) sums[first[vertex]] += normal;
-  }
-  std::vector<Float3> normals(mesh.vertexCount());
-  for (std::size_t i = 0; i < normals.size(); ++i)
-    normals[i] =
-        transport::float3(sums[first[i]].norm() > 0 ? sums[first[i]].normalized() : Vec3(Vec3::UnitY()));
-  return normals;
 }
 
 // --- pictures from arrays of another size ---
@@ -133,18 +80,6 @@ void encodePixels(Image& image, const Encode& encode) {
   }
 }
 
-// A cool-to-warm diverging map (end colours of Moreland 2009), white in the middle, so that small values of
-// either sign show.
-std::array<float, 3> divergingColor(double value) {
-  constexpr std::array<double, 3> kCool = {0.230, 0.299, 0.754}, kWarm = {0.706, 0.016, 0.150};
-  if (!std::isfinite(value)) return kNotFiniteColor;
-  const auto& end = value < 0 ? kCool : kWarm;
-  const double amount = std::sqrt(std::min(std::abs(value), 1.0));
-  std::array<float, 3> color{};
-  for (std::size_t c = 0; c < 3; ++c) color[c] = static_cast<float>(1 + amount * (end[c] - 1));
-  return color;
-}
-
 // Rows are the first extent, columns all the others.
 bool isTable(const formats::Tensor& tensor) {
   return tensor.shape.size() >= 2 && tensor.elementCount() > 0;
@@ -164,20 +99,7 @@ const std::pair<const std::string, formats::Tensor>& tableOf(const formats::Tens
 
 Preview previewMesh(const TriangleMesh& mesh, const PreviewOptions& options, const std::string& file) {
   const transport::OrbitCamera camera = cameraFor(mesh, options, file);
-  constexpr int kOrder = 3;  // clamped-cosine shading lives in three bands
-  const std::vector<Float3> normals = mesh.normals.empty() ? smoothNormals(mesh) : mesh.normals;
-  const std::vector<double> factors = transport::clampedCosineFactors(kOrder);
-  std::vector<float> vectors;
-  for (const Float3& normal : normals) {
-    const std::vector<double> basis = transport::evaluateSh(kOrder, vec3(normal));
-    for (int l = 0; l < kOrder; ++l)
-      for (int m = -l; m <= l; ++m)
-        vectors.push_back(static_cast<float>(kClayAlbedo * factors[l] / std::numbers::pi *
-                                             basis[transport::coefficientIndex(l, m)]));
-  }
-  const transport::ShLight light = transport::defaultLight(kOrder);
-  const double exposure = kMiddleValue / meanLuminance(light);
-  return {render(mesh, transport::evaluateDiffuse(vectors, kOrder, light), camera, exposure, options),
+  return {render(mesh, clayRadiance(mesh), camera, defaultExposure(), options),
           mesh.normals.empty() ? "clay without shadows, with normals made for this picture"
                                : "clay without shadows, with the file's normals"};
 }
@@ -185,7 +107,7 @@ Preview previewMesh(const TriangleMesh& mesh, const PreviewOptions& options, con
 Preview previewPack(const formats::Pack& pack, const PreviewOptions& options, const std::string& file) {
   const transport::OrbitCamera camera = cameraFor(pack.mesh, options, file);
   const transport::ShLight light = transport::defaultLight(pack.transfer.order);
-  const double exposure = kMiddleValue / meanLuminance(light);
+  const double exposure = exposureFor(light);
   return {
       render(pack.mesh, transport::evaluatePack(pack, light, {}, camera.eye()), camera, exposure, options),
       "the pack's transfer under the default light" + format(", exposure %+.2f EV", std::log2(exposure))};

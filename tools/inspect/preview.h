@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "formats/image.h"
 #include "formats/pack.h"
@@ -10,10 +11,33 @@
 
 namespace bakelight::inspect {
 
+enum class Paint {
+  kAutomatic,  // charts in the atlas's layout, else none
+  kNone,
+  kCharts,   // a colour for each chart of the texture coordinates
+  kStretch,  // how much texture each triangle has
+};
+enum class Layout {
+  kModel,  // a render
+  kAtlas,  // the unit square of the texture coordinates
+};
+const std::vector<std::string>& paintNames();
+const std::vector<std::string>& layoutNames();
+// `name` is one of those.
+Paint paintOf(const std::string& name);
+Layout layoutOf(const std::string& name);
+
 struct PreviewOptions {
   int size_px = 512;  // of the longer side; renders are square
   // Of the camera around a mesh or a pack (transport::OrbitCamera).
   double yaw_deg = 25, pitch_deg = 15;
+  // Of meshes and packs.
+  Paint paint = Paint::kAutomatic;
+  Layout layout = Layout::kModel;
+
+  bool showsTexcoords() const {
+    return layout == Layout::kAtlas || paint == Paint::kCharts || paint == Paint::kStretch;
+  }
 };
 
 struct Preview {
@@ -25,6 +49,12 @@ struct Preview {
 // none. Throws Error(kBadInput) naming `file` if the mesh has no extent.
 Preview previewMesh(const formats::TriangleMesh& mesh, const PreviewOptions& options,
                     const std::string& file);
+
+// Charts or stretch, on the clay or in the unit square (u right, v up), whatever `options` ask for; dark
+// lines where charts end. Throws Error(kBadInput) naming `file` if the mesh has no texture coordinates or no
+// extent.
+Preview previewAtlas(const formats::TriangleMesh& mesh, const PreviewOptions& options,
+                     const std::string& file);
 
 // The pack under transport::defaultLight as distant light, glossy part included, as the player shows it.
 // Throws like previewMesh.
