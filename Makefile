@@ -7,7 +7,7 @@ ASSETS   ?= configs/assets/bunny
 RUN_ARGS ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help packages configure build tools assets pipeline report play test test-asan test-tsan bench pictures validate golden-update \
+.PHONY: help packages configure build tools assets pipeline report play test test-asan test-tsan bench bench-atlas pictures validate golden-update \
         lint format clean
 
 help: ## List the targets
@@ -55,6 +55,10 @@ test-tsan: packages assets ## Unit tests under the thread sanitizer (long)
 
 bench: build assets ## Run the benchmarks: figures as ratios against a rival or a floor of the same run
 	@for program in $(BUILD)/bin/bench_*; do $$program || exit 1; done
+
+bench-atlas: build assets ## Our atlas of the bunny beside xatlas's, both judged by the same figures
+	@scripts/system-packages validate
+	@BAKELIGHT_BENCH_XATLAS=scripts/run-xatlas $(BUILD)/bin/bench_atlas
 
 validate: pipeline ## Check the pack with the Khronos glTF validator and assimp
 	@scripts/system-packages validate

@@ -15,9 +15,9 @@ struct ChartingOptions {
   bool cuts_only = false;
 
   // What follows shapes automatic charts; it does not apply to `cuts_only`.
-  double pieces = 25;          // to begin with, for the whole area
+  double pieces = 14;          // to begin with, for the whole area
   double solidity = 0.85;      // least area ÷ area of the convex hull in the plane that merging may make
-  double largest_share = 0.1;  // of the whole area, that merging may make
+  double largest_share = 0.2;  // of the whole area, that merging may make
 };
 
 struct ChartingReport {

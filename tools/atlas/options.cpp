@@ -3,9 +3,6 @@
 namespace bakelight::atlas {
 namespace {
 
-// L² stretch of each chart. Convex polygons cost stretch at their corners whatever the chart.
-constexpr double kFewCharts = 1.03, kLowDistortion = 1.005;
-constexpr double kFewPolygons = 1.25, kLowDistortionPolygons = 1.1;
 // What filter kernels of 9 × 9 texels reach beyond a chart's edge.
 constexpr int kProjectionBorder = 4;
 

@@ -1,0 +1,3 @@
+bakelight_benchmark(bench_atlas
+  SOURCES bench_atlas.cpp
+  LIBRARIES bakelight_atlas bakelight_simplify bakelight_formats_mesh bakelight_formats_mesh_import bakelight_transport)
