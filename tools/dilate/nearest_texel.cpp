@@ -52,15 +52,14 @@ class LowerEnvelope {
     return dx * dx + dy * dy;
   }
 
-  // The first x at which `right` is nearer than `left`: behind the last where it is not.
+  // The first x at which `right` is nearer than `left`: behind the last where it is not, which there is, as
+  // `left` begins where it is not. So the quotient is not negative.
   std::int64_t firstNearer(int left, int right) const {
     const std::int64_t left_dy = y_ - rows_[left], right_dy = y_ - rows_[right];
     const std::int64_t numerator = static_cast<std::int64_t>(right) * right -
                                    static_cast<std::int64_t>(left) * left + right_dy * right_dy -
                                    left_dy * left_dy;
-    const std::int64_t denominator = 2 * static_cast<std::int64_t>(right - left);
-    const std::int64_t quotient = numerator / denominator;
-    return (numerator % denominator < 0 ? quotient - 1 : quotient) + 1;
+    return numerator / (2 * static_cast<std::int64_t>(right - left)) + 1;
   }
 
   void add(int column, int width) {

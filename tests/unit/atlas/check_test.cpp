@@ -96,8 +96,23 @@ TEST(AtlasCheck, OverlapsThatNoTexelSeesAreSeenByTheBorders) {
   EXPECT_EQ(figuresOf(squares({{0, 0, 4, 4}, {3.99F, 1, 6, 3}}), 16).overlapping_texels, 0);
   EXPECT_EQ(figuresOf(squares({{0, 0, 4, 4}, {0, 0, 4, 4}}), 16).crossing_edges, 4);
   EXPECT_EQ(figuresOf(squares({{0, 0, 4, 4}, {0, 0, 4, 4}}), 16).overlapping_texels, 16);
-  // Edges that begin on another and go on inside.
   EXPECT_GT(figuresOf(squares({{0, 0, 4, 4}, {1, 0, 2, 1}}), 16).crossing_edges, 0);
+}
+
+// Two edges that begin on the square's left one: inside it, or outside.
+TEST(AtlasCheck, ACornerOnAnEdgeCrossesWhereItGoesOnInside) {
+  for (const float inwards : {1.F, -1.F}) {
+    TriangleMesh mesh = squares({{4, 0, 12, 8}});
+    for (const auto& [x, y] : {std::pair{0.F, 4.F}, {inwards * 2, 4 - inwards}, {inwards * 2, 4 + inwards}}) {
+      mesh.positions.push_back({x, y, 5});
+      mesh.normals.push_back({0, 0, 1});
+      mesh.texcoords.push_back({(4 + x) / 16, y / 16});
+    }
+    mesh.triangles.push_back({4, 5, 6});
+    const AtlasFigures figures = figuresOf(mesh, 16);
+    EXPECT_EQ(figures.flipped, 0);
+    EXPECT_EQ(figures.crossing_edges, inwards > 0 ? 2 : 0);
+  }
 }
 
 TEST(AtlasCheck, TrianglesThatTurnAgainstTheirChartAreFlipped) {

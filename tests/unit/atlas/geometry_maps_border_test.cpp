@@ -83,6 +83,36 @@ TEST(GeometryMapsBorder, AroundACornerTheSheetGoesOn) {
   EXPECT_EQ(expectAffineBorders(mesh, charts, {2, 2}, 3), 4 * (3 * 10 + 3 * 10 + 9));
 }
 
+// A chart of one thin triangle in a sheet with a hole for it: beyond its sharp corner, too, the sheet goes
+// on.
+TEST(GeometryMapsBorder, BeyondASharpCornerTheSheetGoesOn) {
+  const std::vector<Chart> charts = {{{1, 1.5}, {5.3, 8.2}, {1, 0}}, {{0, 0}, {20, 20}, {1, 0}}};
+  const std::vector<Vector2d> corners = {{1, 1.5}, {3, 2}, {1, 2}, {0, 0}, {4, 0}, {4, 4}, {0, 4}};
+  TriangleMesh mesh;
+  for (const Chart& chart : charts)
+    for (const Vector2d& p : corners) {
+      mesh.positions.push_back(float3({p.x(), p.y(), 0}));
+      const Vector2d uv = chart.textureOf(p);
+      mesh.texcoords.push_back({static_cast<float>(uv.x()), static_cast<float>(uv.y())});
+    }
+  mesh.triangles = {{0, 1, 2},   {10, 11, 7}, {11, 8, 7},  {11, 12, 8},
+                    {12, 13, 8}, {13, 9, 8},  {13, 10, 9}, {10, 7, 9}};
+  EXPECT_GT(expectAffineBorders(mesh, charts, {4, 4}, 3), 150);
+
+  const MapReader maps = mapsOf(mesh, kSide, 3);
+  const auto isNearChart = [&](int i, int j) {
+    for (int y = std::max(j - 3, 0); y <= j + 3; ++y)
+      for (int x = std::max(i - 3, 0); x <= i + 3; ++x)
+        if (maps.coverage(x, y) % 3 != 0 && maps.whole("chart", x, y) == 0) return true;
+    return false;
+  };
+  for (int j = 0; j < 18; ++j)
+    for (int i = 0; i < kSide - 3; ++i) {
+      if (maps.coverage(i, j) % 3 != 0) continue;
+      EXPECT_EQ(maps.coverage(i, j) == 3, isNearChart(i, j)) << i << ", " << j;
+    }
+}
+
 // Beyond the cut of an unrolled cylinder comes its other end: to the left of 0 what is left of the end.
 TEST(GeometryMapsBorder, ACylinderGoesOnAroundItsCut) {
   constexpr int kSides = 40, kWide = 42;

@@ -178,7 +178,7 @@ TEST(GeometryMaps, ASharedTexelGoesToItsCenterElseToTheLargerArea) {
   TriangleMesh mesh;
   addQuad(mesh, {0, 0, 1, 1}, {0, 0, 2.25F / 8, 1 / 8.F});            // a quarter of texel 2
   addQuad(mesh, {0, 2, 1, 3}, {2.625F / 8, 0, 5.375F / 8, 1 / 8.F});  // three eighths of it
-  addQuad(mesh, {0, 4, 1, 5}, {5.375F / 8, 0, 1, 1 / 8.F});  // five eighths of texel 5, with the centre
+  addQuad(mesh, {0, 4, 1, 5}, {5.375F / 8, 0, 5.625F / 8, 1 / 8.F});  // less of texel 5, but its centre
   const MapReader maps = mapsOf(mesh, 8);
   EXPECT_EQ(maps.coverage(2, 0), 2);
   EXPECT_EQ(maps.at("chart", 2, 0), 1);
