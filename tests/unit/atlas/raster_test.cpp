@@ -119,6 +119,19 @@ TEST(Raster, TouchedTexelsAreThoseOfExactArithmetic) {
   EXPECT_GE(flat, 300);
 }
 
+// Where an edge runs through corners of texels, rounding (1/49 · 49 < 1) must not touch what lies beyond.
+TEST(Raster, DiagonalsTouchNothingBeyondTheCornersOfTexels) {
+  std::vector<Span> spans;
+  for (int n = 1; n <= 63; ++n) {
+    touchedSpans({Vec2(0, 0), Vec2(n, 0), Vec2(n, n)}, 64, spans);
+    ASSERT_EQ(spans.size(), static_cast<std::size_t>(n));
+    for (const Span& span : spans) EXPECT_EQ(span.begin, span.row) << n;
+    touchedSpans({Vec2(0, 0), Vec2(n, n), Vec2(0, n)}, 64, spans);
+    ASSERT_EQ(spans.size(), static_cast<std::size_t>(n));
+    for (const Span& span : spans) EXPECT_EQ(span.end, span.row + 1) << n;
+  }
+}
+
 // A point inside the square with all corners of a loop around it: triangles that share edges and one corner.
 TEST(Raster, FansClaimEachCenterOnce) {
   std::mt19937 engine(7);
