@@ -5,6 +5,7 @@
 #include <sstream>
 
 namespace bakelight::atlas {
+
 std::vector<std::pair<std::string, formats::Json>> figuresOf(const AtlasFigures& figures) {
   return {{"charts", figures.charts},
           {"triangles", figures.triangles},
@@ -42,8 +43,9 @@ CheckReport reportOf(const formats::TriangleMesh& mesh, int resolution, int gutt
     report.gutter_shortfall = gutter;
   }
   report.figures.insert(report.figures.begin(), {"has_texcoords", has_texcoords});
-  report.figures.insert(report.figures.end(),
-                        {{"defects", report.defects}, {"gutter_shortfall", report.gutter_shortfall}});
+  report.figures.insert(report.figures.end(), {{"defects", report.defects},
+                                               {"gutter_shortfall", report.gutter_shortfall},
+                                               {"shortcomings", report.defects + report.gutter_shortfall}});
   return report;
 }
 

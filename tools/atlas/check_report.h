@@ -23,6 +23,7 @@ struct CheckReport {
   bool isValid() const { return defects == 0 && gutter_shortfall == 0; }
 };
 
+// Besides the figures: defects, gutter_shortfall, and their sum, shortcomings, which recipes ask for.
 // A mesh without texture coordinates is no atlas, and no mistake: has_texcoords is false then, each triangle
 // is a defect, the whole gutter is short and there are no other figures. Throws what check() throws else.
 CheckReport reportOf(const formats::TriangleMesh& mesh, int resolution, int gutter, const std::string& file);

@@ -27,6 +27,8 @@ int main(int argc, char** argv) {
     const formats::TriangleMesh mesh = formats::readPly(mesh_path);
     atlas::UserCuts cuts{{}, cuts_path.string(), formats::readPlyEdges(mesh_path)};
     if (!cuts_path.empty()) cuts.cuts = atlas::readCuts(cuts_path);
+    if (words.texcoords == "own" && !cuts_path.empty())
+      run.warn("the cuts are not used, as texcoords is own");
     const atlas::AtlasOptions options = atlas::finishedOptions(words);
     const atlas::AtlasResult result = words.texcoords == "own"
                                           ? atlas::ownAtlas(mesh, options, mesh_path.string())

@@ -147,8 +147,7 @@ AtlasResult ownAtlas(const formats::TriangleMesh& mesh, const AtlasOptions& opti
   result.report.figures = check(result.atlas, options.resolution, file);
   watch.lap("check");
   const AtlasFigures& figures = result.report.figures;
-  const int least_gutter = options.gutter + 2 * options.border;
-  if (figures.defects() > 0 || figures.smallest_gutter < least_gutter)
+  if (figures.defects() > 0 || figures.smallest_gutter < options.gutter)
     throw badInput({file, "", ""},
                    "its own texture coordinates are no valid atlas: " + std::to_string(figures.flipped) +
                        " triangles flipped, " + std::to_string(figures.collapsed) + " collapsed, " +
@@ -156,8 +155,11 @@ AtlasResult ownAtlas(const formats::TriangleMesh& mesh, const AtlasOptions& opti
                        std::to_string(figures.crossing_edges) + " borders crossing, " +
                        std::to_string(figures.outside) + " vertices outside the square, smallest gutter " +
                        std::to_string(figures.smallest_gutter) + " texels",
-                   "none of these, and gutters of " + std::to_string(least_gutter) + " texels",
+                   "none of these, and gutters of " + std::to_string(options.gutter) + " texels",
                    "set texcoords to new");
+  if (options.border > 0 && figures.smallest_gutter < options.gutter + 2 * options.border)
+    result.report.warnings.push_back("its own gutters leave less than " + std::to_string(options.border) +
+                                     " texels for borders between some charts");
   return result;
 }
 
