@@ -14,11 +14,25 @@
 namespace bakelight::atlas {
 namespace {
 
-// Effort: rows of texels compared, by one start.
-constexpr std::int64_t kCoarseWork = 40'000'000, kFineWork = 30'000'000;
 constexpr std::size_t kStarts = 4, kFinalists = 2;
 
-constexpr int kCoarseSide = 128, kCoarseTurns = 64, kFineTurns = 1024;
+// Rows of texels that are compared by one start: enough for some twenty charts; with many, bringing them
+// apart texel by texel takes more, and finding a place for each does not.
+struct Effort {
+  std::int64_t coarse, medium, fine;
+};
+Effort effortFor(std::size_t charts) {
+  const double few = std::min(1.0, static_cast<double>(charts) / 16);
+  const double many = std::max(1.0, static_cast<double>(charts) / 50);
+  return {std::llround(few * 4e7), std::llround(few * many * 8e6), std::llround(few * many * 3e7)};
+}
+
+// The square as cells of some texels each.
+struct Level {
+  int side = 0;
+  CellGrowth growth;
+  int turns = 0;
+};
 
 struct Layout {
   std::vector<Spot> spots;
@@ -30,64 +44,97 @@ int sideWithReach(const PackingSquare& square) {
   return square.side - 2 * square.margin + square.distance;
 }
 
+// Cells larger than texels: a chart with its half of the distance has those whose middles it covers.
+Level levelOfCells(const PackingSquare& square, int side, int turns) {
+  const int texels = sideWithReach(square), cells = std::min(side, texels);
+  const double reach = (square.distance / 2.0 + 0.5 + kBlowUp) * cells / texels - 0.5;
+  return {cells, {reach, reach}, turns};
+}
+
+// Texels themselves. Masks with the distance at their left and below keep apart as if each had half of it on
+// all sides.
+Level levelOfTexels(const PackingSquare& square) {
+  return {sideWithReach(square), {kBlowUp, kBlowUp + square.distance}, 1024};
+}
+
 double totalArea(std::span<const ChartOutline> outlines) {
   double area = 0;
   for (const ChartOutline& outline : outlines) area += outline.area;
   return area;
 }
 
-// Cells that are much larger than texels: a chart with its share of the distance has those whose middles it
-// covers. The charts keep their size in cells, and the square shrinks.
-Layout coarseLayout(std::span<const ChartOutline> outlines, std::span<const std::uint32_t> order,
-                    const PackingSquare& square, std::uint64_t seed) {
-  constexpr double kTarget = 0.82, kFirst = 0.7;  // shares of the square that charts fill
-  const int fine_side = sideWithReach(square);
-  const int target_side = std::min(kCoarseSide, fine_side);
-  const double texels_a_cell = static_cast<double>(fine_side) / target_side;
-  const double reach = (square.distance / 2.0 + 0.5 + kBlowUp) / texels_a_cell - 0.5;
-  const double cells_per_unit = target_side * std::sqrt(kTarget / totalArea(outlines));
+// The share of the square that charts fill, of which the search begins, and that for which the cells are
+// made.
+constexpr double kFirstShare = 0.7, kTargetShare = 0.82;
 
-  TurnedMasks masks(outlines, cells_per_unit, {reach, reach}, kCoarseTurns);
-  int side = static_cast<int>(std::ceil(target_side * std::sqrt(kTarget / kFirst)));
-  Separation separation(masks, side, seed);
-  while (!separation.placeAll(order, 24)) separation.setSide(side += 1 + side / 8);
-  const Separation::Moves moves{{0, 1, -1, 3, -3}, 2 * kCoarseSide, 8};
-  std::optional<Layout> best;
-  while (separation.work() < kCoarseWork) {
-    if (separation.separate(moves, 30, kCoarseWork)) {
-      best = {separation.spots(), cells_per_unit / side};
-      if (!separation.setSide(side - 1)) break;
-      --side;
-    } else if (!best) {
-      separation.setSide(side += 1 + side / 32);
-    } else {
-      const std::uint64_t larger_half = order.size() / 2 + 1;
-      separation.swapPlaces(order[separation.random(larger_half)], order[separation.random(larger_half)]);
-    }
-  }
-  return best.value_or(Layout{separation.spots(), cells_per_unit / side});
+double targetDensity(std::span<const ChartOutline> outlines) {
+  return std::sqrt(kTargetShare / totalArea(outlines));
 }
 
-// The charts grow as long as they can be kept apart, in the end by one part in 5,000.
+// From nothing: charts keep their size in cells, and the square shrinks under them. Where that fails two
+// charts change places, and the search goes on.
+Layout explored(TurnedMasks& masks, int side, std::span<const std::uint32_t> order, std::int64_t work_limit,
+                std::uint64_t seed) {
+  const Separation::Moves moves{.turns = {0, 1, -1, 3, -3}, .reach = side, .random_lines = 8};
+  Separation separation(masks, side, seed);
+  while (!separation.placeAll(order, 24)) separation.setSide(side += 1 + side / 8);
+  std::optional<Layout> best;
+  while (separation.work() < work_limit) {
+    if (separation.separate(moves, 60, work_limit)) {
+      best = {separation.spots(), masks.texelsPerUnit() / side};
+      if (!separation.setSide(side - 1)) break;
+      --side;
+    } else if (best) {
+      separation.placeAt(best->spots);
+      const std::uint64_t larger_half = order.size() / 2 + 1;
+      separation.swapPlaces(order[separation.random(larger_half)], order[separation.random(larger_half)]);
+    } else {
+      separation.setSide(side += 1 + side / 32);
+    }
+  }
+  return best.value_or(Layout{separation.spots(), masks.texelsPerUnit() / side});
+}
+
+// From a layout of larger cells, which overlap a little in these; until the square does not shrink further.
+Layout tightened(std::span<const ChartOutline> outlines, const Level& level, const Layout& start,
+                 std::int64_t work_limit, std::uint64_t seed) {
+  const Separation::Moves moves{.turns = {0, 1, -1, 4, -4}, .reach = level.side / 16, .random_lines = 2};
+  TurnedMasks masks(outlines, level.side * start.density, level.growth, level.turns);
+  int side = level.side + level.side / 128;
+  Separation separation(masks, side, seed);
+  if (!separation.placeAt(start.spots)) return start;
+  std::optional<Layout> best;
+  while (separation.work() < work_limit) {
+    if (separation.separate(moves, 20, work_limit)) {
+      best = {separation.spots(), masks.texelsPerUnit() / side};
+      if (!separation.setSide(side - 1)) break;
+      --side;
+    } else if (best) {
+      break;
+    } else {
+      separation.setSide(side += 1 + side / 32);
+    }
+  }
+  return best.value_or(start);
+}
+
+// In texels: the charts grow as long as they can be kept apart, in the end by one part in 5,000.
 std::optional<Packing> grown(std::span<const ChartOutline> outlines, const PackingSquare& square,
-                             const Layout& start, std::uint64_t seed) {
-  const int side = sideWithReach(square);
-  // Masks with the distance at their left and below keep apart as if each had half of it on all sides.
-  const CellGrowth growth{kBlowUp, kBlowUp + square.distance};
-  const Separation::Moves moves{{0, 1, -1, 5, -5}, side / 32, 1};
+                             const Layout& start, std::int64_t work_limit, std::uint64_t seed) {
+  const Level level = levelOfTexels(square);
+  const Separation::Moves moves{.turns = {0, 1, -1, 5, -5}, .reach = level.side / 32, .random_lines = 1};
   std::optional<Packing> best;
   Layout layout = start;
   std::int64_t work = 0;
   double step = 0.004;
-  for (double density = start.density; work < kFineWork && step > 0.0002;) {
-    const double texels_per_unit = density * side;
-    TurnedMasks masks(outlines, texels_per_unit, growth, kFineTurns);
-    Separation separation(masks, side, ++seed);
-    const bool done = separation.placeAt(layout.spots) && separation.separate(moves, 12, kFineWork - work);
-    work += separation.work();
+  for (double density = start.density; work < work_limit && step > 0.0002;) {
+    TurnedMasks masks(outlines, density * level.side, level.growth, level.turns);
+    Separation separation(masks, level.side, ++seed);
+    const bool done = separation.placeAt(layout.spots) && separation.separate(moves, 12, work_limit - work);
+    work += 1 + separation.work();
     if (done) {
       layout = {separation.spots(), density};
-      best = Packing{texels_per_unit, {}};
+      best = Packing{masks.texelsPerUnit(), {}};
       for (std::size_t i = 0; i < outlines.size(); ++i) {
         Placement placement = separation.placementOf(i);
         placement.offset.array() += square.margin - square.distance;
@@ -105,14 +152,22 @@ std::optional<Packing> grown(std::span<const ChartOutline> outlines, const Packi
 
 std::optional<Packing> searchedPacking(std::span<const ChartOutline> outlines,
                                        std::span<const std::uint32_t> order, const PackingSquare& square) {
+  const Effort effort = effortFor(outlines.size());
+  const Level coarse = levelOfCells(square, 128, 64), medium = levelOfCells(square, 384, 256);
+  TurnedMasks masks(outlines, coarse.side * targetDensity(outlines), coarse.growth, coarse.turns);
+  masks.makeAll();
+  const int first_side = static_cast<int>(std::ceil(coarse.side * std::sqrt(kTargetShare / kFirstShare)));
+
   std::array<Layout, kStarts> starts;
   tbb::parallel_for(std::size_t{0}, kStarts,
-                    [&](std::size_t i) { starts[i] = coarseLayout(outlines, order, square, i); });
+                    [&](std::size_t i) { starts[i] = explored(masks, first_side, order, effort.coarse, i); });
   std::stable_sort(starts.begin(), starts.end(),
                    [](const Layout& a, const Layout& b) { return a.density > b.density; });
   std::array<std::optional<Packing>, kFinalists> packings;
-  tbb::parallel_for(std::size_t{0}, kFinalists,
-                    [&](std::size_t i) { packings[i] = grown(outlines, square, starts[i], 1000 * i); });
+  tbb::parallel_for(std::size_t{0}, kFinalists, [&](std::size_t i) {
+    const Layout layout = tightened(outlines, medium, starts[i], effort.medium, i);
+    packings[i] = grown(outlines, square, layout, effort.fine, 1000 * i);
+  });
   const auto scale = [](const std::optional<Packing>& packing) {
     return packing ? packing->texels_per_unit : 0;
   };

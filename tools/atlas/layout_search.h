@@ -19,7 +19,7 @@ struct PackingSquare {
 };
 
 // Beyond so many charts the search costs more than it finds.
-inline constexpr std::size_t kMostChartsSearched = 400;
+inline constexpr std::size_t kMostChartsSearched = 128;
 
 // A packing, or nothing if none was found. `order` is that in which charts are first placed. The effort is
 // bounded by the rows of texels that are compared, so that the result depends on the input only. Threads by

@@ -77,8 +77,11 @@ class Filling {
       }
       const int end = std::min(square_.side - square_.margin - mask.height + 1,
                                best ? best->top() - mask.height : square_.side);
-      for (int y = square_.margin; y < end; ++y)
+      // Where one of about the same size found no place, this hardly will.
+      int& lowest = cursors_.try_emplace(sizeClass(mask), square_.margin).first->second;
+      for (int y = lowest; y < end; ++y)
         if (const auto x = occupancy_.firstFree(mask, y, square_.margin)) {
+          lowest = y;
           best = {std::move(turned), *x, y};
           break;
         }
@@ -92,6 +95,11 @@ class Filling {
   }
 
  private:
+  static std::pair<int, int> sizeClass(const TexelMask& mask) {
+    const auto classOf = [](int side) { return kBoxedSide + static_cast<int>(8 * std::log2(side)); };
+    return {classOf(mask.width), classOf(mask.height)};
+  }
+
   // Places only ever get taken: so a box of one size never finds one below the last.
   std::optional<Placed> placeBox(TurnedChart turned) {
     const int width = turned.mask.width, height = turned.mask.height;
@@ -109,7 +117,7 @@ class Filling {
 
   PackingSquare square_;
   Occupancy occupancy_;
-  std::map<std::pair<int, int>, int> cursors_;
+  std::map<std::pair<int, int>, int> cursors_;  // of boxes by their size, of others by its class
 };
 
 std::optional<std::vector<Placement>> placedAtScale(const std::vector<ChartOutline>& outlines,

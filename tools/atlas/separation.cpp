@@ -49,7 +49,8 @@ std::uint64_t Separation::random(std::uint64_t below) {
 
 std::optional<Pose> Separation::poseAbout(std::size_t chart, const Vec2& middle, int turn) {
   const int turns = masks_.turns();
-  for (int i = 0; i < turns; ++i) {
+  const int tries = std::min(turns, std::max(8, turns / 16));
+  for (int i = 0; i < tries; ++i) {
     // 0, 1, −1, 2, −2 … from the turn that is asked for.
     const int t = turn + (i % 2 == 1 ? (i + 1) / 2 : -(i / 2));
     const int wrapped = (t % turns + turns) % turns;

@@ -43,13 +43,13 @@ class Separation {
   // Places the charts one after the other, each where it overlaps those before the least. False if one does
   // not fit into the square in any turn.
   bool placeAll(std::span<const std::uint32_t> order, int lines_each);
-  // Places the charts as near to the spots as they lie inside the square, turned until they fit. False if one
-  // fits in no turn.
+  // Places the charts as near to the spots as they lie inside the square, turned a little if they must be.
+  // False if one does not fit.
   bool placeAt(std::span<const Spot> spots);
   std::vector<Spot> spots();
   // In texels of the square.
   Placement placementOf(std::size_t chart);
-  // The same with a new side: false, and nothing is changed, if a chart fits in no turn.
+  // The same with a new side: false, and nothing is changed, if a chart does not fit.
   bool setSide(int side);
 
   // True once no two charts overlap; false after `patience` passes without less overlap than ever, or past
@@ -75,7 +75,8 @@ class Separation {
   std::int64_t weightedOverlap(std::size_t chart);
   void updateOverlaps(std::size_t chart);
   void updateAllOverlaps();
-  // With the chart's middle as near to `middle` (texels) as it is inside; turned on until it fits.
+  // With the chart's middle as near to `middle` (texels) as it is inside, turned by up to a 32nd of a circle
+  // if it does not fit otherwise.
   std::optional<Pose> poseAbout(std::size_t chart, const Vec2& middle, int turn);
   Vec2 middleOf(std::size_t chart) { return Vec2(poses_[chart].x, poses_[chart].y) + maskOf(chart).middle; }
   Candidate leastOnLine(std::size_t chart, const Pose& pose, Axis axis, int reach);

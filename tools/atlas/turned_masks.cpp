@@ -1,5 +1,7 @@
 #include "tools/atlas/turned_masks.h"
 
+#include <tbb/parallel_for.h>
+
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -13,6 +15,12 @@ TurnedMasks::TurnedMasks(std::span<const ChartOutline> outlines, double texels_p
       growth_(growth),
       turns_(turns),
       masks_(outlines.size() * static_cast<std::size_t>(turns)) {}
+
+void TurnedMasks::makeAll() {
+  tbb::parallel_for(std::size_t{0}, outlines_.size(), [&](std::size_t chart) {
+    for (int turn = 0; turn < turns_; ++turn) at(chart, turn);
+  });
+}
 
 const TurnedMask& TurnedMasks::at(std::size_t chart, int turn) {
   std::unique_ptr<TurnedMask>& entry = masks_[chart * static_cast<std::size_t>(turns_) + turn];

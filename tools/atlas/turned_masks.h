@@ -1,4 +1,4 @@
-// Masks of charts in any of a number of turns, made when they are first asked for.
+// Masks of charts in any of a number of turns.
 #pragma once
 
 #include <memory>
@@ -17,13 +17,15 @@ struct TurnedMask {
   TexelMask columns;  // the same texels mirrored, (j, i) for (i, j)
 };
 
-// Not for several threads at once. `outlines` must outlive this.
+// Masks are made when they are first asked for: threads can share this only after makeAll(). `outlines` must
+// outlive it.
 class TurnedMasks {
  public:
   // Turn t of a chart is its upright one and t / `turns` of a full circle more.
   TurnedMasks(std::span<const ChartOutline> outlines, double texels_per_unit, const CellGrowth& growth,
               int turns);
 
+  void makeAll();  // threads by TBB
   const TurnedMask& at(std::size_t chart, int turn);
   int turns() const { return turns_; }
   std::size_t charts() const { return outlines_.size(); }
