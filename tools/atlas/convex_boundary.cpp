@@ -13,7 +13,7 @@
 namespace bakelight::atlas {
 namespace {
 
-// What the area of a hole's filling counts for: it only keeps the hole open.
+// What the area that fills a hole or a notch counts for: it only keeps it open.
 constexpr double kFillingWeight = 1e-3;
 
 // The first corner at the origin, the second on the x axis.
@@ -30,16 +30,21 @@ std::array<Vec2, 3> slice(double edge_length, std::size_t sides) {
   return {Vec2(0, 0), Vec2(edge_length, 0), Vec2(edge_length / 2, height)};
 }
 
-// The chart with a fan around a vertex of its own in each hole. A hole of two edges is a slit: the map closes
-// it.
-DiskMesh filledDisk(const Chart& chart) {
+// The chart with what fills its notches, and a fan around a vertex of its own in each hole. A hole of two
+// edges is a slit: the map closes it.
+DiskMesh filledDisk(const Chart& chart, const ConvexBorder& border) {
   DiskMesh mesh;
   mesh.triangles = chart.triangles;
   for (const auto& [a, b, c] : chart.triangles)
     mesh.shapes.push_back(laidFlat(chart.positions[a], chart.positions[b], chart.positions[c]));
   mesh.weights.assign(chart.triangles.size(), 1.0);
   mesh.fixed.assign(chart.vertexCount(), 0);
-  for (const std::uint32_t v : chart.borders[0]) mesh.fixed[v] = 1;
+  for (std::size_t i = 0; i < border.points.size(); ++i) mesh.fixed[chart.borders[0][i]] = !border.inside[i];
+  for (const NotchTriangle& notch : border.notches) {
+    mesh.triangles.push_back(notch.vertices);
+    mesh.shapes.push_back(notch.shape);
+    mesh.weights.push_back(kFillingWeight);
+  }
   for (std::size_t hole = 1; hole < chart.borders.size(); ++hole) {
     const std::vector<std::uint32_t>& loop = chart.borders[hole];
     if (loop.size() < 3) continue;
@@ -55,7 +60,7 @@ DiskMesh filledDisk(const Chart& chart) {
   return mesh;
 }
 
-// Those that fill holes included: only then does no part lie over another.
+// Those that fill holes and notches included: only then does no part lie over another.
 bool isOneToOne(const DiskMesh& mesh, const std::vector<Vec2>& plane) {
   return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
     return orientation(plane[t[0]], plane[t[1]], plane[t[2]]) > 0;
@@ -96,8 +101,9 @@ std::optional<ConvexChart> convexBoundary(const Chart& chart, std::span<const st
   result.added_corners = border.added_corners;
   result.bulged_sides = border.bulged_sides;
   result.shortened_sides = border.shortened_sides;
+  result.vertices_inside = static_cast<std::int64_t>(border.notches.size());
 
-  const DiskMesh mesh = filledDisk(chart);
+  const DiskMesh mesh = filledDisk(chart, border);
   for (const InteriorWeights weights : {InteriorWeights::kMeanValue, InteriorWeights::kUniform}) {
     std::vector<Vec2> start(mesh.vertexCount(), Vec2::Zero());
     for (std::size_t i = 0; i < border.points.size(); ++i) start[chart.borders[0][i]] = border.points[i];

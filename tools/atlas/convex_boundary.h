@@ -22,6 +22,7 @@ struct ConvexChart {
   std::int64_t added_corners = 0;      // convex_border.h says why
   std::int64_t bulged_sides = 0;
   std::int64_t shortened_sides = 0;
+  std::int64_t vertices_inside = 0;  // of the outer border
 };
 
 // Whether convexBoundary takes the chart: a disk, holes allowed, with at least 3 vertices in its outer
