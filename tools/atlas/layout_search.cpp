@@ -118,7 +118,8 @@ Layout tightened(std::span<const ChartOutline> outlines, const Level& level, con
   return best.value_or(start);
 }
 
-// In texels: the charts grow as long as they can be kept apart, in the end by one part in 5,000.
+// In texels: the charts grow as long as they can be kept apart, in the end by one part in 5,000. Nothing if
+// they still overlap at a fifth less than the layout's scale.
 std::optional<Packing> grown(std::span<const ChartOutline> outlines, const PackingSquare& square,
                              const Layout& start, std::int64_t work_limit, std::uint64_t seed) {
   const Level level = levelOfTexels(square);
@@ -127,7 +128,7 @@ std::optional<Packing> grown(std::span<const ChartOutline> outlines, const Packi
   Layout layout = start;
   std::int64_t work = 0;
   double step = 0.004;
-  for (double density = start.density; work < work_limit && step > 0.0002;) {
+  for (double density = start.density; work < work_limit && step > 0.0002 && density > 0.8 * start.density;) {
     TurnedMasks masks(outlines, density * level.side, level.growth, level.turns);
     Separation separation(masks, level.side, ++seed);
     const bool done = separation.placeAt(layout.spots) && separation.separate(moves, 12, work_limit - work);
