@@ -39,13 +39,11 @@ double circumradius(std::span<const double> lengths);
 // vertices divide a side as their path lengths do. Four exceptions keep the polygon convex and the interior
 // one-to-one:
 // - A path is given a further corner at its middle if it is longer than 98% of the others together, as their
-//   chords could hardly close it, or if there are fewer than three corners. If it has no vertex inside, its
-//   side is shortened to that share.
-// - An inner edge that joins two vertices of one side cuts off triangles (teeth of a jagged border) that
-// would
-//   have no area on a straight side. One of its ends goes inside the polygon if the border is reentrant
-//   there, or about straight at the foot of a small tooth; so the teeth stand on the side, which is their
-//   hull.
+//   chords could hardly close it, or if there are fewer than three corners. If it is one edge, its side is
+//   shortened as far as needed.
+// - An inner edge that joins two vertices of one side cuts off triangles (teeth of a jagged border), which
+//   would lie flat on a straight side. One of its ends goes inside the polygon if the border is reentrant
+//   there, or about straight at the foot of a small tooth; so teeth stand on the side, which is their hull.
 // - If neither end is, the side is bulged onto the circle's arc (at most 30° to each side of its middle).
 // - No edge is shorter than 1e-6 of its side ÷ the side's edges.
 // `chart` is planar, with at least 3 vertices in borders[0]. Cost: O(triangles).

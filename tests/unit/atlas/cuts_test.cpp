@@ -18,7 +18,8 @@ using tests::TriangleMesh;
 
 constexpr int kSide = 10;
 
-// A flat square of 10 × 10 cells from (100, 0, 0) to (110, 10, 0), each halved from lower left to upper right.
+// A flat square of 10 × 10 cells from (100, 0, 0) to (110, 10, 0), each halved from lower left to upper
+// right.
 TriangleMesh grid() {
   TriangleMesh mesh;
   for (int y = 0; y <= kSide; ++y)
@@ -97,6 +98,14 @@ TEST(Cuts, PointsApartAreJoinedByTheShortestPath) {
   ASSERT_EQ(parts.size(), 2u);
   EXPECT_EQ(parts[0].size(), 80u);
   EXPECT_EQ(parts[1].size(), 120u);
+}
+
+TEST(Cuts, ThePathIsShortInLengthAndNotInEdges) {
+  // Around the rim of a tall cone and not over its tip, which two edges would do.
+  Surface surface = surfaceOf(tests::fan(12, 10), "cone.ply");
+  const Json json = {{"cuts", {{1, 4}}}};
+  EXPECT_EQ(applyCuts(surface, cutsFromJson(json, ""), "").edges, 3);
+  EXPECT_EQ(cutEdgesOf(surface), (std::vector<std::array<std::uint32_t, 2>>{{1, 2}, {2, 3}, {3, 4}}));
 }
 
 TEST(Cuts, AnEdgeIsCountedOnceAndAPointTwiceIsNoEdge) {
