@@ -2,21 +2,14 @@
 // section 4.3).
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "tools/atlas/border_notches.h"
 #include "tools/atlas/chart.h"
 
 namespace bakelight::atlas {
-
-// A triangle that lies between a reentrant vertex of the border and the polygon, with the shape that it has
-// there if the border keeps its own.
-struct NotchTriangle {
-  Triangle vertices;          // of the chart
-  std::array<Vec2, 3> shape;  // counter-clockwise
-};
 
 struct ConvexBorder {
   std::vector<Vec2> points;            // one a vertex of chart.borders[0], in that order, counter-clockwise
