@@ -80,7 +80,7 @@ Layout explored(TurnedMasks& masks, int side, std::span<const std::uint32_t> ord
   while (!separation.placeAll(order, 24)) separation.setSide(side += 1 + side / 8);
   std::optional<Layout> best;
   while (separation.work() < work_limit) {
-    if (separation.separate(moves, 60, work_limit)) {
+    if (separation.separate(moves, 100, work_limit)) {
       best = {separation.spots(), masks.texelsPerUnit() / side};
       if (!separation.setSide(side - 1)) break;
       --side;
@@ -105,7 +105,7 @@ Layout tightened(std::span<const ChartOutline> outlines, const Level& level, con
   if (!separation.placeAt(start.spots)) return start;
   std::optional<Layout> best;
   while (separation.work() < work_limit) {
-    if (separation.separate(moves, 20, work_limit)) {
+    if (separation.separate(moves, 60, work_limit)) {
       best = {separation.spots(), masks.texelsPerUnit() / side};
       if (!separation.setSide(side - 1)) break;
       --side;
