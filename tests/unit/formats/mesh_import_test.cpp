@@ -44,6 +44,21 @@ TEST_F(MeshImportTest, ObjPolygonsAreTriangulatedInOrder) {
   EXPECT_EQ(read.mesh.positions[read.mesh.triangles[0][1]], (Float3{1, 0, 0}));
 }
 
+TEST_F(MeshImportTest, ObjSeamsKeepTheirTextureCoordinates) {
+  // Two triangles with one edge in common, whose ends have another texture coordinate in each.
+  const std::string positions = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  const std::string texcoords = "vt 0 0\nvt 0.25 0\nvt 0.25 0.5\nvt 0.5 0.5\nvt 0.75 1\nvt 0.5 1\n";
+  const TriangleMesh mesh = import("a.obj", positions + texcoords + "f 1/1 2/2 3/3\nf 1/4 3/5 4/6\n").mesh;
+  ASSERT_EQ(mesh.triangleCount(), 2U);
+  ASSERT_EQ(mesh.texcoords.size(), mesh.vertexCount());
+  const std::vector<std::vector<Float2>> expected = {{{0, 0}, {0.25F, 0}, {0.25F, 0.5F}},
+                                                     {{0.5F, 0.5F}, {0.75F, 1}, {0.5F, 1}}};
+  for (std::size_t t = 0; t < 2; ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_EQ(mesh.texcoords[mesh.triangles[t][k]], expected[t][k]) << t << " " << k;
+  EXPECT_EQ(mesh.positions[mesh.triangles[0][0]], mesh.positions[mesh.triangles[1][0]]);
+}
+
 TEST_F(MeshImportTest, CutObjNamesTheLine) {
   EXPECT_THAT(errorOf("a.obj", "v 0 0 0\nv 1 0\n"), AllOf(HasSubstr("line 2"), HasSubstr("2 numbers")));
   EXPECT_THAT(errorOf("a.obj", kTriangleObj + "v 0 0 -"), HasSubstr("line 5"));
