@@ -35,11 +35,12 @@ struct Packing {
 };
 
 // A texel is *touched* by a chart if the open texel and the chart, blown up by 1/64 texel (for the rounding
-// of coordinates to float), overlap. Guarantees: touched texels lie inside the square, and between two texels
-// touched by different charts there are at least `gutter` + 2·`border` free ones in row, column and diagonal:
-// the larger of |Δi| and |Δj| is more than that. Deterministic; threads by TBB, the same result for any
-// number of them. Throws Error(kBadInput) naming `file` if the charts do not fit at any scale: each takes one
-// texel at least.
+// of coordinates to float), overlap. Guarantees: touched texels lie inside the square, `border` texels from
+// its sides at least, and between two texels touched by different charts there are at least `gutter` +
+// 2·`border` free ones in row, column and diagonal: the larger of |Δi| and |Δj| is more than that.
+// Deterministic; threads by TBB, the same result for any number of them. Cost: seconds at most; up to 128
+// charts are nested by a search of bounded effort, more are placed once each. Throws Error(kBadInput) naming
+// `file` if the charts do not fit at any scale: each takes one texel at least.
 Packing pack(std::span<const FlatChart> charts, const PackingOptions& options, const std::string& file);
 
 }  // namespace bakelight::atlas
