@@ -33,9 +33,12 @@ struct ParameterDescription {
 };
 
 // A file that a tool reads or writes.
+// The kind of an input that takes files of every kind.
+inline constexpr const char* kAnyKind = "any";
+
 struct PortDescription {
   std::string name;  // snake_case; on the command line --name PATH
-  std::string kind;  // "mesh", "image", "tensors", "pack", "report"
+  std::string kind;  // "mesh", "image", "tensors", "pack", "report", kAnyKind
   bool required = true;
   std::string help;
 };

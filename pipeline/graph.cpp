@@ -173,7 +173,7 @@ class AssetStages {
     for (const auto& port : ports) {
       names.push_back(port.name);
       if (port.name != name) continue;
-      if (!kind.empty() && kind != port.kind)
+      if (!kind.empty() && kind != port.kind && port.kind != formats::kAnyKind)
         problems_.add(badInput(
             place, "a file of kind \"" + kind + "\" is wired to an input of kind \"" + port.kind + "\"",
             "files of one kind"));

@@ -73,13 +73,32 @@ class Charting {
       straighten();
     }
     settle();
+    return flatPieces();
+  }
+
+  std::vector<FlatPiece> runOn(std::vector<FlatPiece> pieces, std::span<const std::size_t> to_divide) {
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+      const TriangleSet& triangles = pieces[p].chart.surface_triangles;
+      if (std::binary_search(to_divide.begin(), to_divide.end(), p) && triangles.size() > 1) {
+        ++report_.splits;
+        for (TriangleSet& part : divided(triangles, 2)) add(std::move(part), 0);
+      } else {
+        add(triangles, 0);
+        pieces_.back().flat = std::move(pieces[p]);
+      }
+    }
+    settle();
+    return flatPieces();
+  }
+
+ private:
+  std::vector<FlatPiece> flatPieces() {
     std::vector<FlatPiece> result;
     result.reserve(pieces_.size());
     for (Piece& piece : pieces_) result.push_back(std::move(*piece.flat));
     return result;
   }
 
- private:
   void add(TriangleSet triangles, std::int32_t region) {
     Piece& piece = pieces_.emplace_back();
     piece.triangles = std::move(triangles);
@@ -255,6 +274,12 @@ class Charting {
 std::vector<FlatPiece> makeCharts(const Surface& surface, const ChartingOptions& options,
                                   ChartingReport& report) {
   return Charting(surface, options, report).run();
+}
+
+std::vector<FlatPiece> divideCharts(const Surface& surface, std::vector<FlatPiece> pieces,
+                                    std::span<const std::size_t> indices, const ChartingOptions& options,
+                                    ChartingReport& report) {
+  return Charting(surface, options, report).runOn(std::move(pieces), indices);
 }
 
 }  // namespace bakelight::atlas

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,5 +30,11 @@ struct ChartingReport {
 // every triangle once and are ordered by their first triangles. Deterministic; threads by TBB.
 std::vector<FlatPiece> makeCharts(const Surface& surface, const ChartingOptions& options,
                                   ChartingReport& report);
+
+// Divides the pieces at `indices`, ascending, in two, lays the parts flat, and returns all pieces in the same
+// order as makeCharts.
+std::vector<FlatPiece> divideCharts(const Surface& surface, std::vector<FlatPiece> pieces,
+                                    std::span<const std::size_t> indices, const ChartingOptions& options,
+                                    ChartingReport& report);
 
 }  // namespace bakelight::atlas

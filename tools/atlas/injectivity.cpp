@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tools/atlas/exact.h"
+#include "tools/atlas/stretch.h"
 
 namespace bakelight::atlas {
 namespace {
@@ -23,10 +24,14 @@ bool boxesMeetInY(const Segment& a, const Segment& b) {
 
 }  // namespace
 
-std::int64_t flippedTriangles(const Chart& chart, std::span<const Vec2> plane) {
-  return std::count_if(chart.triangles.begin(), chart.triangles.end(), [&](const Triangle& t) {
-    return orientation(plane[t[0]], plane[t[1]], plane[t[2]]) <= 0;
-  });
+BadTriangles badTriangles(const Chart& chart, std::span<const Vec2> plane) {
+  BadTriangles bad;
+  for (const Triangle& t : chart.triangles) {
+    const int turn = orientation(plane[t[0]], plane[t[1]], plane[t[2]]);
+    bad.flipped += turn < 0;
+    bad.collapsed += turn == 0;
+  }
+  return bad;
 }
 
 bool bordersCross(const Chart& chart, std::span<const Vec2> plane) {
@@ -49,8 +54,19 @@ bool bordersCross(const Chart& chart, std::span<const Vec2> plane) {
   return false;
 }
 
+bool bordersTurnRight(const Chart& chart, std::span<const Vec2> plane) {
+  return std::count_if(chart.borders.begin(), chart.borders.end(), [&](const auto& loop) {
+           // About its own first vertex, so that a small loop far from the origin keeps its sign.
+           double twice_area = 0;
+           for (std::size_t i = 1; i + 1 < loop.size(); ++i)
+             twice_area += crossOf(plane[loop[0]], plane[loop[i]], plane[loop[i + 1]]);
+           return twice_area > 0;
+         }) == 1;
+}
+
 bool isInjective(const Chart& chart, std::span<const Vec2> plane) {
-  return flippedTriangles(chart, plane) == 0 && !bordersCross(chart, plane);
+  return badTriangles(chart, plane).count() == 0 && bordersTurnRight(chart, plane) &&
+         !bordersCross(chart, plane);
 }
 
 }  // namespace bakelight::atlas

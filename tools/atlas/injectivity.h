@@ -8,15 +8,23 @@
 
 namespace bakelight::atlas {
 
-// Triangles whose orientation in the plane is not positive.
-std::int64_t flippedTriangles(const Chart& chart, std::span<const Vec2> plane);
+// Triangles whose orientation in the plane is negative (flipped) and zero (collapsed).
+struct BadTriangles {
+  std::int64_t flipped = 0, collapsed = 0;
+  std::int64_t count() const { return flipped + collapsed; }
+};
+BadTriangles badTriangles(const Chart& chart, std::span<const Vec2> plane);
 
 // Whether two edges of the chart's borders cross or overlap (segmentsCross).
 bool bordersCross(const Chart& chart, std::span<const Vec2> plane);
 
-// No triangle is flipped or collapsed, and no border crosses itself or another one. For a disk with holes
-// that is enough: how often a point is covered is the winding number of the borders around it, which is 0 or
-// 1 if they are simple, and all triangles count positively.
+// One border goes around the chart counter-clockwise, all others, if any, around holes clockwise. Borders
+// that do not cross may still be wrong: that of a hole, turned inside out.
+bool bordersTurnRight(const Chart& chart, std::span<const Vec2> plane);
+
+// No triangle is flipped or collapsed, no border crosses itself or another one, and they turn the right way.
+// For a disk with holes that is enough: how often a point is covered is the sum of the winding numbers of the
+// borders around it, as all triangles count positively, and that is 1 at most.
 bool isInjective(const Chart& chart, std::span<const Vec2> plane);
 
 }  // namespace bakelight::atlas

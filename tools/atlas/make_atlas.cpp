@@ -8,6 +8,7 @@
 
 #include "formats/error.h"
 #include "tools/atlas/float_rounding.h"
+#include "tools/atlas/injectivity.h"
 #include "tools/atlas/packing.h"
 #include "tools/stage/stopwatch.h"
 
@@ -39,8 +40,47 @@ struct AtlasCorner {
   std::uint32_t triangle, k;   // of the atlas
 };
 
+// The charts where they were packed, in floats.
+class PlacedCharts {
+ public:
+  PlacedCharts(const std::vector<FlatPiece>& pieces, const Packing& packing, int resolution)
+      : texcoords_(pieces.size()) {
+    for (std::size_t c = 0; c < pieces.size(); ++c) {
+      const Eigen::Rotation2Dd rotation(packing.placements[c].angle_rad);
+      for (const Vec2& p : pieces[c].plane) {
+        const Vec2 place =
+            (packing.texels_per_unit * (rotation * p) + packing.placements[c].offset) / resolution;
+        texcoords_[c].push_back({static_cast<float>(place.x()), static_cast<float>(place.y())});
+      }
+      nudged_ += nudgeFlipped(pieces[c].chart.triangles, texcoords_[c]);
+      if (!isFine(pieces[c].chart, texcoords_[c])) spoiled_.push_back(c);
+    }
+  }
+
+  const formats::Float2& texcoord(std::uint32_t chart, std::uint32_t vertex) const {
+    return texcoords_[chart][vertex];
+  }
+  std::int64_t nudgedVertices() const { return nudged_; }
+  // Charts that rounding has made overlap themselves, ascending.
+  const std::vector<std::size_t>& spoiled() const { return spoiled_; }
+
+ private:
+  // Triangles too thin for floats may collapse, which covers nothing twice.
+  static bool isFine(const Chart& chart, const std::vector<formats::Float2>& texcoords) {
+    std::vector<Vec2> plane;
+    plane.reserve(texcoords.size());
+    for (const formats::Float2& t : texcoords) plane.emplace_back(t[0], t[1]);
+    return badTriangles(chart, plane).flipped == 0 &&
+           (chart.triangles.size() == 1 || (bordersTurnRight(chart, plane) && !bordersCross(chart, plane)));
+  }
+
+  std::vector<std::vector<formats::Float2>> texcoords_;
+  std::int64_t nudged_ = 0;
+  std::vector<std::size_t> spoiled_;
+};
+
 void assemble(const formats::TriangleMesh& mesh, const Surface& surface, const std::vector<FlatPiece>& pieces,
-              const Packing& packing, int resolution, AtlasResult& result) {
+              const PlacedCharts& placed, AtlasResult& result) {
   Atlas& atlas = result.atlas;
   result.source_triangles = surface.source_triangles;
   atlas.chart_count = static_cast<std::uint32_t>(pieces.size());
@@ -64,8 +104,6 @@ void assemble(const formats::TriangleMesh& mesh, const Surface& surface, const s
     return std::tuple_cat(key(a), std::tuple(a.triangle, a.k)) <
            std::tuple_cat(key(b), std::tuple(b.triangle, b.k));
   });
-  std::vector<Eigen::Rotation2Dd> rotations;
-  for (const Placement& placement : packing.placements) rotations.emplace_back(placement.angle_rad);
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const AtlasCorner& corner = corners[i];
     if (i == 0 || key(corner) != key(corners[i - 1])) {
@@ -73,11 +111,7 @@ void assemble(const formats::TriangleMesh& mesh, const Surface& surface, const s
       atlas.mesh.positions.push_back(mesh.positions[corner.source]);
       if (!mesh.normals.empty()) atlas.mesh.normals.push_back(mesh.normals[corner.source]);
       if (!mesh.colors.empty()) atlas.mesh.colors.push_back(mesh.colors[corner.source]);
-      const Vec2 texel =
-          packing.texels_per_unit * (rotations[corner.chart] * pieces[corner.chart].plane[corner.local]) +
-          packing.placements[corner.chart].offset;
-      atlas.mesh.texcoords.push_back(
-          {static_cast<float>(texel.x() / resolution), static_cast<float>(texel.y() / resolution)});
+      atlas.mesh.texcoords.push_back(placed.texcoord(corner.chart, corner.local));
     }
     atlas.mesh.triangles[corner.triangle][corner.k] =
         static_cast<std::uint32_t>(atlas.mesh.positions.size() - 1);
@@ -119,16 +153,24 @@ AtlasResult makeAtlas(const formats::TriangleMesh& mesh, const UserCuts& cuts, c
   ChartingOptions charting = chartingOptions(options);
   charting.flattening.corner_places = cut(surface, cuts, report);
   watch.lap("surface");
-  const std::vector<FlatPiece> pieces = makeCharts(surface, charting, report.charting);
+  std::vector<FlatPiece> pieces = makeCharts(surface, charting, report.charting);
   watch.lap("charts");
-  const Packing packing = packed(pieces, options, file);
-  watch.lap("packing");
-  report.texels_per_unit = packing.texels_per_unit * surface.scale;
-  assemble(mesh, surface, pieces, packing, options.resolution, result);
-  report.nudged_vertices = nudgeFlipped(result.atlas.mesh.triangles, result.atlas.mesh.texcoords);
+  while (true) {
+    const Packing packing = packed(pieces, options, file);
+    watch.lap("packing");
+    const PlacedCharts placed(pieces, packing, options.resolution);
+    if (!placed.spoiled().empty()) {
+      pieces = divideCharts(surface, std::move(pieces), placed.spoiled(), charting, report.charting);
+      continue;
+    }
+    report.texels_per_unit = packing.texels_per_unit * surface.scale;
+    report.nudged_vertices = placed.nudgedVertices();
+    assemble(mesh, surface, pieces, placed, result);
+    break;
+  }
   report.figures = check(result.atlas, options.resolution, file);
   watch.lap("check");
-  if (report.figures.defects() > 0)
+  if (report.figures.collapsed > 0)
     report.warnings.push_back(std::to_string(report.figures.collapsed) +
                               " triangles are too thin for float texture coordinates");
   return result;

@@ -101,6 +101,29 @@ TEST(Graph, RecipeIsCheckedAgainstTheTools) {
               ElementsAre(HasSubstr("no tool \"transfr\"")));
 }
 
+TEST(Graph, InputsOfAnyKindTakeAll) {
+  const Json look = {{"inputs", {{"file", "simplify.simplified"}}}, {"outputs", {{"picture", "look.png"}}}};
+  for (const std::string kind : {"any", "image"}) {
+    Workshop workshop;
+    const Json description = {
+        {"tool", "look"},
+        {"summary", ""},
+        {"execution_path", ""},
+        {"inputs", {{{"name", "file"}, {"kind", kind}, {"required", true}, {"help", ""}}}},
+        {"outputs", {{{"name", "picture"}, {"kind", "image"}, {"required", true}, {"help", ""}}}},
+        {"parameters", Json::array()}};
+    workshop.runner.install("look", {description, {}});
+    Json recipe = formats::parseJson(workshop.disk.read("recipes/prt.json"), "recipes/prt.json");
+    recipe["stages"]["look"] = look;
+    recipe["deliver"]["look"] = "look.picture";
+    workshop.disk.write("recipes/prt.json", recipe.dump());
+    if (kind == "any")
+      EXPECT_THAT(workshop.problems(), testing::IsEmpty());
+    else
+      EXPECT_THAT(workshop.problems(), ElementsAre(HasSubstr("kind \"mesh\" is wired")));
+  }
+}
+
 TEST(Graph, OutputsMustNotMeet) {
   EXPECT_THAT(problemsWith("/stages/frame/outputs/image", "{asset}.glb"),
               ElementsAre(HasSubstr("would overwrite")));
