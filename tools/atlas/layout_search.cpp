@@ -57,19 +57,9 @@ Level levelOfTexels(const PackingSquare& square) {
   return {sideWithReach(square), {kBlowUp, kBlowUp + square.distance}, 1024};
 }
 
-double totalArea(std::span<const ChartOutline> outlines) {
-  double area = 0;
-  for (const ChartOutline& outline : outlines) area += outline.area;
-  return area;
-}
-
 // The share of the square that charts fill, of which the search begins, and that for which the cells are
 // made.
 constexpr double kFirstShare = 0.7, kTargetShare = 0.82;
-
-double targetDensity(std::span<const ChartOutline> outlines) {
-  return std::sqrt(kTargetShare / totalArea(outlines));
-}
 
 // From nothing: charts keep their size in cells, and the square shrinks under them. Where that fails two
 // charts change places, and the search goes on.
@@ -151,11 +141,23 @@ std::optional<Packing> grown(std::span<const ChartOutline> outlines, const Packi
 
 }  // namespace
 
+double greatestDensity(std::span<const ChartOutline> outlines) {
+  double area = 0, longest = 0;
+  for (const ChartOutline& outline : outlines) {
+    area += outline.area;
+    const auto [low, high] = turnedBox(outline.hull, 0);
+    longest = std::max(longest, (high - low).norm());
+  }
+  // The box's diagonal is up to √2 times the chart's length, which is up to √2 times the square's side.
+  return std::min(1 / std::sqrt(area), 2 / longest);
+}
+
 std::optional<Packing> searchedPacking(std::span<const ChartOutline> outlines,
                                        std::span<const std::uint32_t> order, const PackingSquare& square) {
   const Effort effort = effortFor(outlines.size());
   const Level coarse = levelOfCells(square, 128, 64), medium = levelOfCells(square, 384, 256);
-  TurnedMasks masks(outlines, coarse.side * targetDensity(outlines), coarse.growth, coarse.turns);
+  TurnedMasks masks(outlines, coarse.side * std::sqrt(kTargetShare) * greatestDensity(outlines),
+                    coarse.growth, coarse.turns);
   masks.makeAll();
   const int first_side = static_cast<int>(std::ceil(coarse.side * std::sqrt(kTargetShare / kFirstShare)));
 

@@ -21,6 +21,10 @@ struct PackingSquare {
 // Beyond so many charts the search costs more than it finds.
 inline constexpr std::size_t kMostChartsSearched = 128;
 
+// Texels per unit of length ÷ texels of a square's side that no packing of the charts exceeds: areas would be
+// larger than the square, or a chart longer than its diagonal.
+double greatestDensity(std::span<const ChartOutline> outlines);
+
 // A packing, or nothing if none was found. `order` is that in which charts are first placed. The effort is
 // bounded by the rows of texels that are compared, so that the result depends on the input only. Threads by
 // TBB.

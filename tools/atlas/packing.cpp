@@ -152,14 +152,13 @@ int coarsening(std::size_t charts, const PackingOptions& options) {
 // The largest scale at which charts of the given order can be placed from below.
 Packing filledPacking(const std::vector<ChartOutline>& outlines, const std::vector<std::uint32_t>& order,
                       const PackingSquare& square) {
-  double area = 0, longest = 0;
+  double longest = 0;
   for (const ChartOutline& outline : outlines) {
-    area += outline.area;
-    const auto [low, high] = turnedBox(outline.hull, 0);
-    longest = std::max(longest, (high - low).norm());
+    const auto [lower_left, upper_right] = turnedBox(outline.hull, 0);
+    longest = std::max(longest, (upper_right - lower_left).norm());
   }
-  // At the lower scale each chart takes one texel, so all fit; at the upper their areas fill the square.
-  double low = 0.9 / longest, high = std::max(square.side / std::sqrt(area), 1.01 * low);
+  // At the lower scale each chart takes one texel, so all fit.
+  double low = 0.9 / longest, high = std::max(square.side * greatestDensity(outlines), 1.01 * low);
   auto best = placedAtScale(outlines, order, square, low);
   if (!best) throw std::logic_error("pack: charts of one texel each have no room");
   while (high > 1.003 * low) {

@@ -199,6 +199,7 @@ TEST(Packing, SliversLieAcross) {
   // Longer than the side: on the diagonal.
   const Packing packing = pack({{rectangleChart(1, 1e-6)}}, optionsOf(128, 2), "made.ply");
   EXPECT_GT(packing.texels_per_unit, 160);
+  EXPECT_GT(pack({{rectangleChart(1, 1e-12)}}, optionsOf(128, 2), "made.ply").texels_per_unit, 160);
   utilisationOf({rectangleChart(1, 1e-6), rectangleChart(1, 1e-6), rectangleChart(0.5, 0.4)},
                 optionsOf(128, 2));
 }
