@@ -13,11 +13,8 @@ namespace {
 
 using Plane = std::optional<std::vector<Vec2>>;
 
-Plane freely(const Chart& chart) {
-  Plane start = flatStart(chart);
-  if (start) start = minimiseDistortion(chart, std::move(*start));
-  return start;
-}
+// How much more stretch a small chart may have.
+constexpr double kSmallChartsExcess = 4;
 
 Plane convexly(const Chart& chart, const FlatteningOptions& options) {
   if (!canBeConvex(chart)) return std::nullopt;
@@ -28,6 +25,14 @@ Plane convexly(const Chart& chart, const FlatteningOptions& options) {
   auto result = convexBoundary(chart, corners, {options.corners});
   if (!result) return std::nullopt;
   return std::move(result->plane);
+}
+
+// Convex polygons are a start for whatever they take.
+Plane freely(const Chart& chart, const FlatteningOptions& options) {
+  Plane start = flatStart(chart);
+  if (!start) start = convexly(chart, options);
+  if (start) start = minimiseDistortion(chart, std::move(*start));
+  return start;
 }
 
 Plane projected(const Surface& surface, const Chart& chart, double threshold_deg) {
@@ -54,7 +59,7 @@ Plane planeOf(const Surface& surface, const Chart& chart, const FlatteningOption
   if (chart.triangles.size() == 1) return triangleAsItIs(chart);
   switch (options.parameterisation) {
     case Parameterisation::kFree:
-      return freely(chart);
+      return freely(chart, options);
     case Parameterisation::kConvex:
       return convexly(chart, options);
     case Parameterisation::kProjection:
@@ -81,7 +86,9 @@ std::optional<FlatPiece> flatten(const Surface& surface, std::span<const std::ui
   if (triangles.size() > 1 && !isInjective(piece.chart, piece.plane)) return std::nullopt;
   scaleForLeastStretch(piece.chart, piece.plane);
   piece.stretch = stretchOf(piece.chart, piece.plane);
-  if (triangles.size() > 1 && !(piece.stretch.l2() <= options.max_stretch)) return std::nullopt;
+  const double excess = piece.chart.area < options.small_area ? kSmallChartsExcess : 1;
+  if (triangles.size() > 1 && !(piece.stretch.l2() <= 1 + excess * (options.max_stretch - 1)))
+    return std::nullopt;
   return piece;
 }
 

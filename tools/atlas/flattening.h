@@ -21,7 +21,10 @@ enum class Parameterisation {
 
 struct FlatteningOptions {
   Parameterisation parameterisation = Parameterisation::kFree;
-  double max_stretch = std::numeric_limits<double>::infinity();  // L² stretch of each chart
+  double max_stretch = std::numeric_limits<double>::infinity();  // L² stretch of each chart, ≥ 1
+  // Charts with less area than this may have 4 times the stretch above 1: a surface that is rough at the
+  // scale of its triangles has stretch in the smallest chart, and would fall to thousands of them.
+  double small_area = 0;
   double normal_threshold_deg = 30;          // projection: of triangles from the chart's mean normal
   int corners = 8;                           // convex: of a polygon without chosen ones
   std::vector<std::uint32_t> corner_places;  // convex: chosen ones, ascending places of the surface

@@ -15,6 +15,9 @@
 namespace bakelight::atlas {
 namespace {
 
+// Of the whole area, see FlatteningOptions.
+constexpr double kSmallArea = 1.0 / 400;
+
 ChartingOptions chartingOptions(const AtlasOptions& options) {
   ChartingOptions charting;
   charting.cuts_only = options.cuts_only;
@@ -22,7 +25,7 @@ ChartingOptions chartingOptions(const AtlasOptions& options) {
   charting.flattening.normal_threshold_deg = options.normal_threshold_deg;
   charting.flattening.corners = options.corners;
   if (options.parameterisation != Parameterisation::kProjection && !options.cuts_only)
-    charting.flattening.max_stretch = options.max_stretch;
+    charting.flattening.max_stretch = options.max_stretch, charting.flattening.small_area = kSmallArea;
   return charting;
 }
 

@@ -20,8 +20,9 @@ inline constexpr double kFewPolygons = 1.25, kLowDistortionPolygons = 1.1;
 
 struct AtlasOptions {
   Parameterisation parameterisation = Parameterisation::kFree;
-  bool cuts_only = false;            // charts are what the cuts leave
-  double max_stretch = kFewCharts;   // L² stretch of each chart, ≥ 1; projections have whatever they have
+  bool cuts_only = false;           // charts are what the cuts leave
+  double max_stretch = kFewCharts;  // L² stretch of each chart, ≥ 1, that has 1/400 of the area; projections
+                                    // have whatever they have
   double crease_angle_deg = 80;      // edges sharper than this separate charts where they close up
   double normal_threshold_deg = 30;  // projection
   int corners = 8;                   // convex: of polygons without chosen ones

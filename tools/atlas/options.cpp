@@ -19,7 +19,9 @@ void declareOptions(stage::Tool& tool, OptionWords& words) {
                  "orthographic projections")
       .parameter("preset", words.preset, {"few_charts", "low_distortion"}, "What max_stretch 0 stands for")
       .parameter("max_stretch", words.max_stretch, {0, 100}, "",
-                 "Largest L2 stretch of a chart, 1 = none; 0: by preset (free borders 1.03, 1.005; convex "
+                 "Largest L2 stretch of a chart, 1 = none, 4 times as much above 1 where it has less than "
+                 "1/400 of the area; 0: by preset (free "
+                 "borders 1.03, 1.005; convex "
                  "1.25, 1.1)")
       .parameter("crease_angle_deg", options.crease_angle_deg, {0, 180}, "deg",
                  "Edges sharper than this separate charts where they close up")
