@@ -93,6 +93,8 @@ class Charting {
 
  private:
   std::vector<FlatPiece> flatPieces() {
+    tbb::parallel_for(std::size_t{0}, pieces_.size(),
+                      [&](std::size_t p) { straightenTeeth(*pieces_[p].flat, options_.flattening); });
     std::vector<FlatPiece> result;
     result.reserve(pieces_.size());
     for (Piece& piece : pieces_) result.push_back(std::move(*piece.flat));

@@ -17,8 +17,8 @@ struct ChartingOptions {
 
   // What follows shapes automatic charts; it does not apply to `cuts_only`.
   double pieces = 14;          // to begin with, for the whole area
-  double solidity = 0.85;      // least area ÷ area of the convex hull in the plane that merging may make
-  double largest_share = 0.2;  // of the whole area, that merging may make
+  double solidity = 0.87;      // least area ÷ area of the convex hull in the plane that merging may make
+  double largest_share = 0.3;  // of the whole area, that merging may make
 };
 
 struct ChartingReport {

@@ -68,6 +68,16 @@ Plane planeOf(const Surface& surface, const Chart& chart, const FlatteningOption
   return std::nullopt;
 }
 
+void measure(FlatPiece& piece) {
+  scaleForLeastStretch(piece.chart, piece.plane);
+  piece.stretch = stretchOf(piece.chart, piece.plane);
+}
+
+bool isWithinStretch(const FlatPiece& piece, const FlatteningOptions& options) {
+  const double excess = piece.chart.area < options.small_area ? kSmallChartsExcess : 1;
+  return piece.stretch.l2() <= 1 + excess * (options.max_stretch - 1);
+}
+
 }  // namespace
 
 Vec3 meanNormal(const Surface& surface, std::span<const std::uint32_t> triangles) {
@@ -84,12 +94,20 @@ std::optional<FlatPiece> flatten(const Surface& surface, std::span<const std::ui
   if (!plane) return std::nullopt;
   piece.plane = std::move(*plane);
   if (triangles.size() > 1 && !isInjective(piece.chart, piece.plane)) return std::nullopt;
-  scaleForLeastStretch(piece.chart, piece.plane);
-  piece.stretch = stretchOf(piece.chart, piece.plane);
-  const double excess = piece.chart.area < options.small_area ? kSmallChartsExcess : 1;
-  if (triangles.size() > 1 && !(piece.stretch.l2() <= 1 + excess * (options.max_stretch - 1)))
-    return std::nullopt;
+  measure(piece);
+  if (triangles.size() > 1 && !isWithinStretch(piece, options)) return std::nullopt;
   return piece;
+}
+
+void straightenTeeth(FlatPiece& piece, const FlatteningOptions& options) {
+  if (options.parameterisation != Parameterisation::kFree || !(options.straightness > 0) ||
+      piece.chart.triangles.size() == 1)
+    return;
+  FlatPiece straight = piece;
+  straight.plane = minimiseDistortion(piece.chart, piece.plane, {.straightness = options.straightness});
+  if (!isInjective(straight.chart, straight.plane)) return;
+  measure(straight);
+  if (isWithinStretch(straight, options)) piece = std::move(straight);
 }
 
 }  // namespace bakelight::atlas

@@ -25,6 +25,7 @@ struct FlatteningOptions {
   // Charts with less area than this may have 4 times the stretch above 1: a surface that is rough at the
   // scale of its triangles has stretch in the smallest chart, and would fall to thousands of them.
   double small_area = 0;
+  double straightness = 0;                   // free: see free_boundary.h
   double normal_threshold_deg = 30;          // projection: of triangles from the chart's mean normal
   int corners = 8;                           // convex: of a polygon without chosen ones
   std::vector<std::uint32_t> corner_places;  // convex: chosen ones, ascending places of the surface
@@ -40,6 +41,10 @@ struct FlatPiece {
 // have to be divided. One triangle always can.
 std::optional<FlatPiece> flatten(const Surface& surface, std::span<const std::uint32_t> triangles,
                                  const FlatteningOptions& options);
+
+// Draws the teeth of a piece's borders flat where that keeps within the limits; else leaves it as it is. For
+// free borders.
+void straightenTeeth(FlatPiece& piece, const FlatteningOptions& options);
 
 // The mean normal, weighted by area; zero if the normals cancel.
 Vec3 meanNormal(const Surface& surface, std::span<const std::uint32_t> triangles);

@@ -68,12 +68,14 @@ SignedSvd signedSvd(const Matrix2& j) {
 
 class SymmetricDirichlet {
  public:
-  explicit SymmetricDirichlet(const Chart& chart) : triangles_(chart.triangles), rest_(restTriangles(chart)) {
+  SymmetricDirichlet(const Chart& chart, double straightness)
+      : triangles_(chart.triangles), rest_(restTriangles(chart)), straightness_(straightness) {
     for (const RestTriangle& rest : rest_) isometric_ += 4 * rest.area;
+    if (straightness > 0) findBends(chart);
     findPattern(chart.vertexCount());
   }
 
-  // Above that of an isometry; infinite if a triangle is flipped.
+  // Above that of an isometry with straight borders; infinite if a triangle is flipped.
   double energy(const std::vector<Vec2>& plane) const {
     double sum = 0;
     for (std::size_t i = 0; i < rest_.size(); ++i) {
@@ -82,6 +84,7 @@ class SymmetricDirichlet {
       if (!(determinant > 0)) return std::numeric_limits<double>::infinity();
       sum += rest_[i].area * (j.squaredNorm() * (1 + 1 / (determinant * determinant)) - 4);
     }
+    for (const Bend& bend : bends_) sum += straightness_ * bendOf(bend, plane).squaredNorm();
     return sum;
   }
 
@@ -90,6 +93,7 @@ class SymmetricDirichlet {
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(hessian_.rows());
     std::fill_n(hessian_.valuePtr(), hessian_.nonZeros(), 0.0);
     for (std::size_t i = 0; i < rest_.size(); ++i) addTriangle(i, plane, gradient);
+    for (const Bend& bend : bends_) addBend(bend, plane, gradient);
     const double shift = kRegularisation * hessian_.diagonal().mean();
     for (Eigen::Index k = 0; k < hessian_.rows(); ++k) hessian_.coeffRef(k, k) += shift;
     if (!analysed_) solver_.analyzePattern(hessian_), analysed_ = true;
@@ -128,14 +132,45 @@ class SymmetricDirichlet {
     return root;
   }
 
+  // Three vertices in a row along a border.
+  using Bend = std::array<std::uint32_t, 3>;
+  static constexpr std::array<double, 3> kBendWeights = {-0.5, 1, -0.5};
+
+  void findBends(const Chart& chart) {
+    // The shortest border that has teeth, and would not shrink to nothing.
+    constexpr std::size_t kFewestVertices = 6;
+    for (const auto& loop : chart.borders)
+      for (std::size_t i = 0; i < loop.size() && loop.size() >= kFewestVertices; ++i)
+        bends_.push_back({loop[i], loop[(i + 1) % loop.size()], loop[(i + 2) % loop.size()]});
+  }
+
+  static Vec2 bendOf(const Bend& bend, const std::vector<Vec2>& plane) {
+    return plane[bend[1]] - (plane[bend[0]] + plane[bend[2]]) / 2;
+  }
+
+  void addBend(const Bend& bend, const std::vector<Vec2>& plane, Eigen::VectorXd& gradient) {
+    const Vec2 amount = bendOf(bend, plane);
+    for (std::size_t p = 0; p < 3; ++p)
+      for (int axis = 0; axis < 2; ++axis) {
+        const auto row = static_cast<Eigen::Index>(2 * bend[p]) + axis;
+        gradient[row] += 2 * straightness_ * kBendWeights[p] * amount[axis];
+        for (std::size_t q = 0; q < 3; ++q)
+          hessian_.coeffRef(row, static_cast<Eigen::Index>(2 * bend[q]) + axis) +=
+              2 * straightness_ * kBendWeights[p] * kBendWeights[q];
+      }
+  }
+
   void findPattern(std::size_t vertices) {
     std::vector<Eigen::Triplet<double>> entries;
     entries.reserve(36 * triangles_.size());
-    for (const Triangle& t : triangles_)
-      for (const std::uint32_t p : t)
-        for (const std::uint32_t q : t)
+    const auto addBlocks = [&](const std::array<std::uint32_t, 3>& corners) {
+      for (const std::uint32_t p : corners)
+        for (const std::uint32_t q : corners)
           for (int k = 0; k < 4; ++k)
             entries.emplace_back(static_cast<int>(2 * p) + k / 2, static_cast<int>(2 * q) + k % 2, 0.0);
+    };
+    for (const Triangle& t : triangles_) addBlocks(t);
+    for (const Bend& bend : bends_) addBlocks(bend);
     const auto unknowns = static_cast<Eigen::Index>(2 * vertices);
     hessian_.resize(unknowns, unknowns);
     hessian_.setFromTriplets(entries.begin(), entries.end());
@@ -196,7 +231,8 @@ class SymmetricDirichlet {
 
   const std::vector<Triangle>& triangles_;
   std::vector<RestTriangle> rest_;
-  double isometric_ = 0;
+  double straightness_ = 0, isometric_ = 0;
+  std::vector<Bend> bends_;
   SparseMatrix hessian_;
   std::vector<std::array<int, 18>> slots_;
   Solver solver_;
@@ -314,7 +350,7 @@ std::optional<std::vector<Vec2>> flatStart(const Chart& chart) {
 std::vector<Vec2> minimiseDistortion(const Chart& chart, std::vector<Vec2> plane,
                                      const FreeBoundaryOptions& options) {
   scaleForLeastStretch(chart, plane);
-  SymmetricDirichlet objective(chart);
+  SymmetricDirichlet objective(chart, options.straightness);
   double energy = objective.energy(plane);
   Eigen::VectorXd direction;
   for (int i = 0; i < options.iterations && energy > 1e-12 * objective.isometricEnergy(); ++i) {

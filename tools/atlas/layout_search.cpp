@@ -14,7 +14,7 @@
 namespace bakelight::atlas {
 namespace {
 
-constexpr std::size_t kStarts = 4, kFinalists = 2;
+constexpr std::size_t kStarts = 8, kFinalists = 4;
 
 // Rows of texels that are compared by one start: enough for some twenty charts; with many, bringing them
 // apart texel by texel takes more, and finding a place for each does not.

@@ -24,6 +24,7 @@ ChartingOptions chartingOptions(const AtlasOptions& options) {
   charting.flattening.parameterisation = options.parameterisation;
   charting.flattening.normal_threshold_deg = options.normal_threshold_deg;
   charting.flattening.corners = options.corners;
+  charting.flattening.straightness = options.straightness;
   if (options.parameterisation != Parameterisation::kProjection && !options.cuts_only)
     charting.flattening.max_stretch = options.max_stretch, charting.flattening.small_area = kSmallArea;
   return charting;

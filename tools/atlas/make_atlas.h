@@ -15,7 +15,7 @@
 namespace bakelight::atlas {
 
 // Largest L² stretch of a chart, by preset. Convex polygons cost stretch at their corners whatever the chart.
-inline constexpr double kFewCharts = 1.03, kLowDistortion = 1.005;
+inline constexpr double kFewCharts = 1.04, kLowDistortion = 1.005;
 inline constexpr double kFewPolygons = 1.25, kLowDistortionPolygons = 1.1;
 
 struct AtlasOptions {
@@ -23,6 +23,7 @@ struct AtlasOptions {
   bool cuts_only = false;           // charts are what the cuts leave
   double max_stretch = kFewCharts;  // L² stretch of each chart, ≥ 1, that has 1/400 of the area; projections
                                     // have whatever they have
+  double straightness = 5;  // free borders: how far the teeth of borders are drawn flat, see free_boundary.h
   double crease_angle_deg = 80;      // edges sharper than this separate charts where they close up
   double normal_threshold_deg = 30;  // projection
   int corners = 8;                   // convex: of polygons without chosen ones

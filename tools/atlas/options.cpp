@@ -23,6 +23,9 @@ void declareOptions(stage::Tool& tool, OptionWords& words) {
                  "1/400 of the area; 0: by preset (free "
                  "borders 1.03, 1.005; convex "
                  "1.25, 1.1)")
+      .parameter(
+          "straightness", options.straightness, {0, 100}, "",
+          "Free borders: how far the teeth of borders are drawn flat, for tighter packing; 0: as they are")
       .parameter("crease_angle_deg", options.crease_angle_deg, {0, 180}, "deg",
                  "Edges sharper than this separate charts where they close up")
       .parameter("normal_threshold_deg", options.normal_threshold_deg, {1, 80}, "deg",

@@ -143,7 +143,7 @@ int coarsening(std::size_t charts, const PackingOptions& options) {
   int factor = (options.resolution + kFineEnough - 1) / kFineEnough;
   const auto roomy = [&] {
     const std::int64_t row = texelsInARow(squareOf(options, factor));
-    return row * row >= 64 * static_cast<std::int64_t>(charts);
+    return row * row >= 9 * static_cast<std::int64_t>(charts);
   };
   while (factor > 1 && !roomy()) --factor;
   return factor;
