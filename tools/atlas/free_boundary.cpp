@@ -68,10 +68,11 @@ SignedSvd signedSvd(const Matrix2& j) {
 
 class SymmetricDirichlet {
  public:
-  SymmetricDirichlet(const Chart& chart, double straightness)
-      : triangles_(chart.triangles), rest_(restTriangles(chart)), straightness_(straightness) {
+  // Teeth of the border are those of `plane`.
+  SymmetricDirichlet(const Chart& chart, const std::vector<Vec2>& plane, double straightness)
+      : triangles_(chart.triangles), rest_(restTriangles(chart)) {
     for (const RestTriangle& rest : rest_) isometric_ += 4 * rest.area;
-    if (straightness > 0) findBends(chart);
+    if (straightness > 0) findBends(chart, plane, straightness);
     findPattern(chart.vertexCount());
   }
 
@@ -84,7 +85,7 @@ class SymmetricDirichlet {
       if (!(determinant > 0)) return std::numeric_limits<double>::infinity();
       sum += rest_[i].area * (j.squaredNorm() * (1 + 1 / (determinant * determinant)) - 4);
     }
-    for (const Bend& bend : bends_) sum += straightness_ * bendOf(bend, plane).squaredNorm();
+    for (const Bend& bend : bends_) sum += bend.weight * bendOf(bend, plane).squaredNorm();
     return sum;
   }
 
@@ -132,31 +133,66 @@ class SymmetricDirichlet {
     return root;
   }
 
-  // Three vertices in a row along a border.
-  using Bend = std::array<std::uint32_t, 3>;
+  // Three vertices in a row along a border, where that has teeth.
+  struct Bend {
+    std::array<std::uint32_t, 3> vertices;
+    double weight;
+  };
   static constexpr std::array<double, 3> kBendWeights = {-0.5, 1, -0.5};
 
-  void findBends(const Chart& chart) {
-    // The shortest border that has teeth, and would not shrink to nothing.
-    constexpr std::size_t kFewestVertices = 6;
-    for (const auto& loop : chart.borders)
-      for (std::size_t i = 0; i < loop.size() && loop.size() >= kFewestVertices; ++i)
-        bends_.push_back({loop[i], loop[(i + 1) % loop.size()], loop[(i + 2) % loop.size()]});
+  void findBends(const Chart& chart, const std::vector<Vec2>& plane, double straightness) {
+    for (const auto& loop : chart.borders) {
+      const std::vector<double> turns = turnsAlong(loop, plane);
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const double share = teethAround(i, turns);
+        if (share > 0)
+          bends_.push_back({{loop[(i + loop.size() - 1) % loop.size()], loop[i], loop[(i + 1) % loop.size()]},
+                            straightness * share});
+      }
+    }
+  }
+
+  // The angle by which the border turns at each vertex, in radians, positive to the left.
+  static std::vector<double> turnsAlong(const std::vector<std::uint32_t>& loop,
+                                        const std::vector<Vec2>& plane) {
+    std::vector<double> turns(loop.size());
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Vec2& here = plane[loop[i]];
+      const Vec2 in = here - plane[loop[(i + loop.size() - 1) % loop.size()]],
+                 out = plane[loop[(i + 1) % loop.size()]] - here;
+      turns[i] = std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out));
+    }
+    return turns;
+  }
+
+  // How much of the turning around a vertex goes to and fro: 0 along straight lines, arcs and at corners
+  // between them, near 1 amid teeth.
+  static double teethAround(std::size_t i, const std::vector<double>& turns) {
+    constexpr std::size_t kReach = 3;
+    constexpr double kLeastTurning = 0.1;  // radians, in all; less is no teeth
+    if (turns.size() < 2 * kReach + 2) return 0;
+    double net = 0, all = 0;
+    for (std::size_t k = 0; k <= 2 * kReach; ++k) {
+      const double turn = turns[(i + turns.size() - kReach + k) % turns.size()];
+      net += turn, all += std::abs(turn);
+    }
+    return all > kLeastTurning ? 1 - std::abs(net) / all : 0;
   }
 
   static Vec2 bendOf(const Bend& bend, const std::vector<Vec2>& plane) {
-    return plane[bend[1]] - (plane[bend[0]] + plane[bend[2]]) / 2;
+    const auto& [before, here, after] = bend.vertices;
+    return plane[here] - (plane[before] + plane[after]) / 2;
   }
 
   void addBend(const Bend& bend, const std::vector<Vec2>& plane, Eigen::VectorXd& gradient) {
     const Vec2 amount = bendOf(bend, plane);
     for (std::size_t p = 0; p < 3; ++p)
       for (int axis = 0; axis < 2; ++axis) {
-        const auto row = static_cast<Eigen::Index>(2 * bend[p]) + axis;
-        gradient[row] += 2 * straightness_ * kBendWeights[p] * amount[axis];
+        const auto row = static_cast<Eigen::Index>(2 * bend.vertices[p]) + axis;
+        gradient[row] += 2 * bend.weight * kBendWeights[p] * amount[axis];
         for (std::size_t q = 0; q < 3; ++q)
-          hessian_.coeffRef(row, static_cast<Eigen::Index>(2 * bend[q]) + axis) +=
-              2 * straightness_ * kBendWeights[p] * kBendWeights[q];
+          hessian_.coeffRef(row, static_cast<Eigen::Index>(2 * bend.vertices[q]) + axis) +=
+              2 * bend.weight * kBendWeights[p] * kBendWeights[q];
       }
   }
 
@@ -170,7 +206,7 @@ class SymmetricDirichlet {
             entries.emplace_back(static_cast<int>(2 * p) + k / 2, static_cast<int>(2 * q) + k % 2, 0.0);
     };
     for (const Triangle& t : triangles_) addBlocks(t);
-    for (const Bend& bend : bends_) addBlocks(bend);
+    for (const Bend& bend : bends_) addBlocks(bend.vertices);
     const auto unknowns = static_cast<Eigen::Index>(2 * vertices);
     hessian_.resize(unknowns, unknowns);
     hessian_.setFromTriplets(entries.begin(), entries.end());
@@ -231,7 +267,7 @@ class SymmetricDirichlet {
 
   const std::vector<Triangle>& triangles_;
   std::vector<RestTriangle> rest_;
-  double straightness_ = 0, isometric_ = 0;
+  double isometric_ = 0;
   std::vector<Bend> bends_;
   SparseMatrix hessian_;
   std::vector<std::array<int, 18>> slots_;
@@ -350,7 +386,7 @@ std::optional<std::vector<Vec2>> flatStart(const Chart& chart) {
 std::vector<Vec2> minimiseDistortion(const Chart& chart, std::vector<Vec2> plane,
                                      const FreeBoundaryOptions& options) {
   scaleForLeastStretch(chart, plane);
-  SymmetricDirichlet objective(chart, options.straightness);
+  SymmetricDirichlet objective(chart, plane, options.straightness);
   double energy = objective.energy(plane);
   Eigen::VectorXd direction;
   for (int i = 0; i < options.iterations && energy > 1e-12 * objective.isometricEnergy(); ++i) {

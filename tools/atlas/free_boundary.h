@@ -12,8 +12,8 @@ namespace bakelight::atlas {
 struct FreeBoundaryOptions {
   int iterations = 25;  // Newton steps at most
   // Weight of Σ |border vertex − middle of its neighbours along the border|² beside the energy, both in units
-  // of area: draws the teeth of borders flat, which cannot be packed tightly, at the cost of some stretch
-  // there.
+  // of area, where the start's border has teeth: draws them flat, as teeth cannot be packed tightly, at the
+  // cost of some stretch there. Corners, arcs and straight lines are left alone.
   double straightness = 0;
   double least_progress =
       1e-4;  // stops when a step lowers the energy above that of an isometry by less, relatively

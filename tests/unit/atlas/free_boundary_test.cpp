@@ -1,10 +1,13 @@
 #include "tools/atlas/free_boundary.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "bodies.h"
 #include "flat_shapes.h"
+#include "tools/atlas/flattening.h"
 #include "tools/atlas/injectivity.h"
 #include "tools/atlas/stretch.h"
 
@@ -139,6 +142,66 @@ TEST(FreeBoundary, CopesWithNeedles) {
 
 TEST(FreeBoundary, HasNoStartForAClosedBody) {
   EXPECT_FALSE(flatStart(wholeChart(tests::icosphere(1))).has_value());
+}
+
+// A flat strip of 20 × 4 squares, with a tooth on each of its upper edge's squares.
+formats::TriangleMesh toothedStrip() {
+  formats::TriangleMesh mesh = patch(20, 4, [](double u, double v) { return Vec3(20 * u, 4 * v, 0); });
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    const std::uint32_t left = 4 * 21 + i;
+    mesh.positions.push_back({static_cast<float>(i) + 0.5f, 4.8f, 0});
+    mesh.triangles.push_back({left, left + 1, static_cast<std::uint32_t>(mesh.positions.size() - 1)});
+  }
+  return mesh;
+}
+
+TEST(StraightenTeeth, DrawsThemFlatAndLeavesCornersAndStraightLines) {
+  const Surface surface = surfaceOf(toothedStrip(), "strip.ply");
+  std::vector<std::uint32_t> all(surface.triangleCount());
+  std::iota(all.begin(), all.end(), 0u);
+  FlatteningOptions options;
+  options.max_stretch = 1.1;
+  options.straightness = 5;
+  const FlatPiece before = *flatten(surface, all, options);
+  EXPECT_NEAR(before.stretch.l2(), 1, 1e-9);
+  FlatPiece after = before;
+  straightenTeeth(after, options);
+  EXPECT_TRUE(isInjective(after.chart, after.plane));
+  EXPECT_LE(after.stretch.l2(), options.max_stretch);
+  const auto borderLength = [](const FlatPiece& piece) {
+    double sum = 0;
+    const auto& loop = piece.chart.borders[0];
+    for (std::size_t i = 0; i < loop.size(); ++i)
+      sum += (piece.plane[loop[i]] - piece.plane[loop[(i + 1) % loop.size()]]).norm();
+    return sum;
+  };
+  EXPECT_LT(borderLength(after), 0.95 * borderLength(before));
+  // The two lower corners, vertices 0 and 20 of the strip, keep their right angles.
+  for (const auto& [corner, beside, above] : {std::array<std::uint32_t, 3>{0, 1, 21}, {20, 19, 41}}) {
+    const auto at = [&](std::uint32_t place) {
+      const auto it = std::find(after.chart.places.begin(), after.chart.places.end(), place);
+      return after.plane[static_cast<std::size_t>(it - after.chart.places.begin())];
+    };
+    EXPECT_NEAR((at(beside) - at(corner)).normalized().dot((at(above) - at(corner)).normalized()), 0, 0.05);
+  }
+  // Without room for stretch it stays as it is.
+  options.max_stretch = 1 + 1e-7;
+  FlatPiece kept = before;
+  straightenTeeth(kept, options);
+  EXPECT_EQ(kept.plane, before.plane);
+}
+
+TEST(StraightenTeeth, LeavesRectanglesAlone) {
+  const Surface surface =
+      surfaceOf(patch(12, 5, [](double u, double v) { return Vec3(12 * u, 5 * v, 0); }), "rectangle.ply");
+  std::vector<std::uint32_t> all(surface.triangleCount());
+  std::iota(all.begin(), all.end(), 0u);
+  FlatteningOptions options;
+  options.max_stretch = 2;
+  options.straightness = 50;
+  FlatPiece piece = *flatten(surface, all, options);
+  straightenTeeth(piece, options);
+  EXPECT_NEAR(piece.stretch.l2(), 1, 1e-9);
 }
 
 TEST(Injectivity, FindsTheTurnsOfASpiralOnEachOther) {
