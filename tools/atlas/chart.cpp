@@ -128,6 +128,26 @@ std::vector<std::vector<std::uint32_t>> connectedParts(const Surface& surface,
   });
 }
 
+std::vector<std::vector<std::uint32_t>> connectedParts(const Surface& surface,
+                                                       std::span<const std::uint32_t> triangles,
+                                                       std::span<const std::int32_t> labels) {
+  const auto neighbors = neighborsWithin(surface, triangles);
+  std::vector<std::vector<std::uint32_t>> parts;
+  std::vector<std::uint8_t> seen(triangles.size(), 0);
+  for (std::uint32_t first = 0; first < triangles.size(); ++first) {
+    if (std::exchange(seen[first], 1) != 0) continue;
+    std::vector<std::uint32_t> part = {first};
+    for (std::size_t i = 0; i < part.size(); ++i)
+      for (const std::int32_t other : neighbors[part[i]])
+        if (other >= 0 && labels[other] == labels[first] && std::exchange(seen[other], 1) == 0)
+          part.push_back(static_cast<std::uint32_t>(other));
+    for (std::uint32_t& index : part) index = triangles[index];
+    std::sort(part.begin(), part.end());
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
 std::vector<std::vector<std::uint32_t>> smoothParts(const Surface& surface) {
   return partsAcross(surface, [&](std::uint32_t triangle, std::size_t k) {
     return surface.neighbors[triangle][k] >= 0 && surface.marks[triangle][k] == EdgeMark::kNone;

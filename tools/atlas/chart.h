@@ -39,6 +39,10 @@ Chart chartOf(const Surface& surface, std::span<const std::uint32_t> triangles);
 // Ordered by their first triangles.
 std::vector<std::vector<std::uint32_t>> connectedParts(const Surface& surface,
                                                        std::span<const std::int32_t> labels);
+// The same of some triangles, ascending, with one label each.
+std::vector<std::vector<std::uint32_t>> connectedParts(const Surface& surface,
+                                                       std::span<const std::uint32_t> triangles,
+                                                       std::span<const std::int32_t> labels);
 // The connected sets of triangles that creases and cuts leave.
 std::vector<std::vector<std::uint32_t>> smoothParts(const Surface& surface);
 

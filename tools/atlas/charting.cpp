@@ -70,7 +70,8 @@ class Charting {
       straighten();
       settle();
       merge();
-      straighten();
+      // Straight borders would bring triangles with them that cannot be projected.
+      if (options_.flattening.parameterisation != Parameterisation::kProjection) straighten();
     }
     settle();
     return flatPieces();
@@ -167,6 +168,28 @@ class Charting {
     }
   }
 
+  // Two halves; or, where most of a piece could be projected along its mean normal, that and the scraps that
+  // could not.
+  std::vector<TriangleSet> partsOf(const TriangleSet& triangles) const {
+    if (options_.flattening.parameterisation == Parameterisation::kProjection) {
+      const Vec3 axis = meanNormal(surface_, triangles);
+      std::vector<std::int32_t> labels;
+      double area = 0;
+      for (const std::uint32_t t : triangles) {
+        labels.push_back(isWithin(surface_, t, axis, options_.flattening.normal_threshold_deg));
+        area += surface_.areas[t];
+      }
+      std::vector<TriangleSet> parts = connectedParts(surface_, triangles, labels);
+      const auto holdsMost = [&](const TriangleSet& part) {
+        double share = 0;
+        for (const std::uint32_t t : part) share += surface_.areas[t] / area;
+        return share > 0.5 && isWithin(surface_, part[0], axis, options_.flattening.normal_threshold_deg);
+      };
+      if (parts.size() > 1 && std::any_of(parts.begin(), parts.end(), holdsMost)) return parts;
+    }
+    return divided(triangles, 2);
+  }
+
   // Flattens what is not flat, and divides what cannot be, until all are.
   void settle() {
     std::vector<Piece> done, open = std::move(pieces_);
@@ -179,7 +202,7 @@ class Charting {
         if (piece.flat)
           piece.perimeter = perimeterOf(piece.flat->chart);
         else
-          parts[i] = divided(piece.triangles, 2);
+          parts[i] = partsOf(piece.triangles);
       });
       for (std::size_t i = 0; i < open.size(); ++i) {
         if (open[i].flat) {
@@ -225,7 +248,10 @@ class Charting {
     std::merge(a.triangles.begin(), a.triangles.end(), b.triangles.begin(), b.triangles.end(),
                std::back_inserter(both));
     auto flat = flatten(surface_, both, options_.flattening);
-    if (flat && solidityOf(*flat) < options_.solidity) flat.reset();
+    if (!flat) return flat;
+    // A scrap may join a piece that is hollow itself.
+    const Piece& larger = a.flat->chart.area < b.flat->chart.area ? b : a;
+    if (solidityOf(*flat) < std::min(options_.solidity, solidityOf(*larger.flat))) flat.reset();
     return flat;
   }
 

@@ -11,6 +11,23 @@
 namespace bakelight::atlas {
 namespace {
 
+// The axis of about the narrowest cone that holds all normals: steps towards the farthest one (Bădoiu &
+// Clarkson 2003).
+Vec3 narrowestConeAxis(const Surface& surface, std::span<const std::uint32_t> triangles) {
+  constexpr int kSteps = 64;
+  Vec3 axis = meanNormal(surface, triangles);
+  for (int step = 1; step <= kSteps; ++step) {
+    const std::uint32_t farthest =
+        *std::min_element(triangles.begin(), triangles.end(), [&](std::uint32_t a, std::uint32_t b) {
+          return surface.normals[a].dot(axis) < surface.normals[b].dot(axis);
+        });
+    const Vec3 next = axis + (surface.normals[farthest] - axis) / (step + 1);
+    if (!(next.norm() > 0)) break;
+    axis = next.normalized();
+  }
+  return axis;
+}
+
 using Plane = std::optional<std::vector<Vec2>>;
 
 // How much more stretch a small chart may have.
@@ -36,12 +53,13 @@ Plane freely(const Chart& chart, const FlatteningOptions& options) {
 }
 
 Plane projected(const Surface& surface, const Chart& chart, double threshold_deg) {
-  const Vec3 normal = meanNormal(surface, chart.surface_triangles);
-  if (!(normal.norm() > 0) || !chart.isPlanar()) return std::nullopt;
-  const double least_cosine = std::cos(threshold_deg * std::numbers::pi / 180);
-  for (const std::uint32_t t : chart.surface_triangles)
-    if (surface.normals[t].dot(normal) < least_cosine) return std::nullopt;
-  return projectedAlong(chart, normal);
+  if (!chart.isPlanar()) return std::nullopt;
+  const auto& triangles = chart.surface_triangles;
+  for (const Vec3& axis : {meanNormal(surface, triangles), narrowestConeAxis(surface, triangles)})
+    if (std::all_of(triangles.begin(), triangles.end(),
+                    [&](std::uint32_t t) { return isWithin(surface, t, axis, threshold_deg); }))
+      return projectedAlong(chart, axis);
+  return std::nullopt;
 }
 
 // As it is, so that whatever else fails, one triangle lies flat.
@@ -84,6 +102,10 @@ Vec3 meanNormal(const Surface& surface, std::span<const std::uint32_t> triangles
   Vec3 sum = Vec3::Zero();
   for (const std::uint32_t t : triangles) sum += surface.areas[t] * surface.normals[t];
   return sum.norm() > 0 ? sum.normalized() : sum;
+}
+
+bool isWithin(const Surface& surface, std::uint32_t triangle, const Vec3& axis, double threshold_deg) {
+  return surface.normals[triangle].dot(axis) >= std::cos(threshold_deg * std::numbers::pi / 180);
 }
 
 std::optional<FlatPiece> flatten(const Surface& surface, std::span<const std::uint32_t> triangles,

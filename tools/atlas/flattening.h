@@ -26,7 +26,7 @@ struct FlatteningOptions {
   // scale of its triangles has stretch in the smallest chart, and would fall to thousands of them.
   double small_area = 0;
   double straightness = 0;                   // free: see free_boundary.h
-  double normal_threshold_deg = 30;          // projection: of triangles from the chart's mean normal
+  double normal_threshold_deg = 30;          // projection: of triangles from the line of sight
   int corners = 8;                           // convex: of a polygon without chosen ones
   std::vector<std::uint32_t> corner_places;  // convex: chosen ones, ascending places of the surface
 };
@@ -48,5 +48,7 @@ void straightenTeeth(FlatPiece& piece, const FlatteningOptions& options);
 
 // The mean normal, weighted by area; zero if the normals cancel.
 Vec3 meanNormal(const Surface& surface, std::span<const std::uint32_t> triangles);
+// Whether a triangle's normal is at most so far from the axis.
+bool isWithin(const Surface& surface, std::uint32_t triangle, const Vec3& axis, double threshold_deg);
 
 }  // namespace bakelight::atlas

@@ -320,7 +320,8 @@ std::array<std::uint32_t, 2> pins(const Chart& chart) {
 
 // Least squares conformal maps: the Dirichlet energy less the area, with two vertices held.
 std::vector<Vec2> conformal(const Chart& chart) {
-  const auto [pin_a, pin_b] = pins(chart);
+  const std::array<std::uint32_t, 2> held_vertices = pins(chart);
+  const std::uint32_t pin_a = held_vertices[0], pin_b = held_vertices[1];
   std::vector<int> unknown(chart.vertexCount());
   int count = 0;
   for (std::uint32_t v = 0; v < unknown.size(); ++v) unknown[v] = v == pin_a || v == pin_b ? -1 : count++;

@@ -145,13 +145,13 @@ namespace {
 using Mixture = std::vector<std::pair<std::int32_t, double>>;
 
 void addTo(Mixture& mixture, const Mixture& other, double weight) {
-  for (const auto& [label, share] : other) {
-    const auto it =
-        std::find_if(mixture.begin(), mixture.end(), [&](const auto& entry) { return entry.first == label; });
+  for (const auto& entry : other) {
+    const auto it = std::find_if(mixture.begin(), mixture.end(),
+                                 [&](const auto& mine) { return mine.first == entry.first; });
     if (it == mixture.end())
-      mixture.emplace_back(label, weight * share);
+      mixture.emplace_back(entry.first, weight * entry.second);
     else
-      it->second += weight * share;
+      it->second += weight * entry.second;
   }
 }
 
