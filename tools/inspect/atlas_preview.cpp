@@ -44,11 +44,12 @@ double rangeOf(const TriangleMesh& mesh, const std::vector<double>& values) {
   std::vector<std::pair<double, double>> weighted;  // value, area
   double whole = 0;
   for (std::size_t t = 0; t < values.size(); ++t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    const auto edge = [&](std::uint32_t v) {
-      return transport::Vec3(transport::vec3(mesh.positions[v]) - transport::vec3(mesh.positions[a]));
+    const formats::Triangle& triangle = mesh.triangles[t];
+    const transport::Vec3 a = transport::vec3(mesh.positions[triangle[0]]);
+    const auto edgeTo = [&](std::size_t k) {
+      return transport::Vec3(transport::vec3(mesh.positions[triangle[k]]) - a);
     };
-    weighted.emplace_back(std::abs(values[t]), edge(b).cross(edge(c)).norm());
+    weighted.emplace_back(std::abs(values[t]), edgeTo(1).cross(edgeTo(2)).norm());
     whole += weighted.back().second;
   }
   std::sort(weighted.begin(), weighted.end());
@@ -220,8 +221,7 @@ class SquareRow {
         const double light =
             triangle.lightAt(Vec2((i + 0.5) / kSupersampling, row + (j + 0.5) / kSupersampling));
         if (light < 0) continue;
-        for (std::size_t c = 0; c < 3; ++c)
-          colors_[static_cast<std::size_t>(j * width_ + i)][c] = static_cast<float>(light) * color[c];
+        for (std::size_t c = 0; c < 3; ++c) colors_[sampleAt(i, j)][c] = static_cast<float>(light) * color[c];
       }
   }
 
@@ -230,13 +230,16 @@ class SquareRow {
       for (std::size_t c = 0; c < 3; ++c) {
         float sum = 0;
         for (int j = 0; j < kSupersampling; ++j)
-          for (int i = 0; i < kSupersampling; ++i)
-            sum += colors_[static_cast<std::size_t>(j * width_ + x * kSupersampling + i)][c];
+          for (int i = 0; i < kSupersampling; ++i) sum += colors_[sampleAt(x * kSupersampling + i, j)][c];
         image.texel(x, row)[c] = transport::srgbFromLinear(sum / (kSupersampling * kSupersampling));
       }
   }
 
  private:
+  std::size_t sampleAt(int i, int j) const {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(i);
+  }
+
   int width_;
   std::vector<Float3> colors_;  // kSupersampling rows
 };
