@@ -4,27 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/error.h"
-#include "formats/mesh_import.h"
-#include "formats/mesh_ply.h"
 #include "tools/atlas/check_report.h"
+#include "tools/atlas/mesh_file.h"
 #include "tools/stage/stage.h"
 
 using namespace bakelight;
-
-namespace {
-
-formats::TriangleMesh readMesh(const std::filesystem::path& path) {
-  if (path.extension() == ".ply") {
-    try {
-      return formats::readPly(path);
-    } catch (const Error&) {
-      // A PLY of another flavour, or one that importMesh has the right words about.
-    }
-  }
-  return formats::importMesh(path).mesh;
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
   std::filesystem::path mesh_path;
@@ -40,7 +24,7 @@ int main(int argc, char** argv) {
 
   return tool.run(argc, argv, [&](stage::Run& run) {
     const atlas::CheckReport report =
-        atlas::reportOf(readMesh(mesh_path), resolution, gutter, mesh_path.string());
+        atlas::reportOf(atlas::readMeshFile(mesh_path).mesh, resolution, gutter, mesh_path.string());
     for (const auto& [name, value] : report.figures) run.stat(name, value);
     std::cout << atlas::asText(report);
     if (require_valid && !report.isValid())

@@ -30,6 +30,8 @@ Vec3 narrowestConeAxis(const Surface& surface, std::span<const std::uint32_t> tr
 
 using Plane = std::optional<std::vector<Vec2>>;
 
+// What rounding makes of an isometry, generously: so that flat charts pass a limit of 1.
+constexpr double kRoundingStretch = 1e-6;
 // How much more stretch a small chart may have.
 constexpr double kSmallChartsExcess = 4;
 
@@ -93,7 +95,7 @@ void measure(FlatPiece& piece) {
 
 bool isWithinStretch(const FlatPiece& piece, const FlatteningOptions& options) {
   const double excess = piece.chart.area < options.small_area ? kSmallChartsExcess : 1;
-  return piece.stretch.l2() <= 1 + excess * (options.max_stretch - 1);
+  return piece.stretch.l2() <= 1 + excess * (options.max_stretch - 1) + kRoundingStretch;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "formats/mesh_ply.h"
 #include "tools/atlas/geometry_maps.h"
 #include "tools/atlas/make_atlas.h"
+#include "tools/atlas/mesh_file.h"
 #include "tools/atlas/options.h"
 #include "tools/atlas/report.h"
 #include "tools/stage/stage.h"
@@ -13,7 +14,7 @@ int main(int argc, char** argv) {
   std::filesystem::path mesh_path, cuts_path, atlas_path, charts_path, maps_path;
   atlas::OptionWords words;
   stage::Tool tool("atlas", "Divides a mesh into charts, lays them flat and packs them into a square");
-  tool.input("mesh", "mesh", mesh_path, "Binary PLY, as simplify writes it")
+  tool.input("mesh", "mesh", mesh_path, "Mesh of any format; its triangles are taken as they are")
       .input("cuts", "atlas_cuts", cuts_path, "JSON: edges that no chart crosses, and corners of polygons",
              false)
       .output("atlas", "mesh", atlas_path,
@@ -24,15 +25,16 @@ int main(int argc, char** argv) {
               "EXR: position, normal, tangent, area, triangle, chart of each texel", false);
   atlas::declareOptions(tool, words);
   return tool.run(argc, argv, [&](stage::Run& run) {
-    const formats::TriangleMesh mesh = formats::readPly(mesh_path);
-    atlas::UserCuts cuts{{}, cuts_path.string(), formats::readPlyEdges(mesh_path)};
+    const atlas::MeshFile file = atlas::readMeshFile(mesh_path);
+    for (const std::string& note : file.notes) run.warn(note);
+    atlas::UserCuts cuts{{}, cuts_path.string(), file.marked_edges};
     if (!cuts_path.empty()) cuts.cuts = atlas::readCuts(cuts_path);
     if (words.texcoords == "own" && !cuts_path.empty())
       run.warn("the cuts are not used, as texcoords is own");
     const atlas::AtlasOptions options = atlas::finishedOptions(words);
     const atlas::AtlasResult result = words.texcoords == "own"
-                                          ? atlas::ownAtlas(mesh, options, mesh_path.string())
-                                          : atlas::makeAtlas(mesh, cuts, options, mesh_path.string());
+                                          ? atlas::ownAtlas(file.mesh, options, mesh_path.string())
+                                          : atlas::makeAtlas(file.mesh, cuts, options, mesh_path.string());
     formats::writePly(atlas_path, result.atlas.mesh);
     if (!charts_path.empty()) formats::writeSafetensors(charts_path, atlas::chartTables(result, options));
     if (!maps_path.empty())

@@ -1,5 +1,7 @@
 #include "tools/atlas/options.h"
 
+#include "formats/error.h"
+
 namespace bakelight::atlas {
 namespace {
 
@@ -21,7 +23,7 @@ void declareOptions(stage::Tool& tool, OptionWords& words) {
       .parameter("max_stretch", words.max_stretch, {0, 100}, "",
                  "Largest L2 stretch of a chart, 1 = none, 4 times as much above 1 where it has less than "
                  "1/400 of the area; 0: by preset (free "
-                 "borders 1.03, 1.005; convex "
+                 "borders 1.04, 1.005; convex "
                  "1.25, 1.1)")
       .parameter(
           "straightness", options.straightness, {0, 100}, "",
@@ -41,6 +43,9 @@ void declareOptions(stage::Tool& tool, OptionWords& words) {
 
 AtlasOptions finishedOptions(const OptionWords& words) {
   AtlasOptions options = words.options;
+  if (words.max_stretch > 0 && words.max_stretch < 1)
+    throw Error(ExitStatus::kUsage, {"", "max_stretch", ""}, "no chart has an L2 stretch below 1",
+                "1 or more, or 0 for what the preset says");
   options.cuts_only = words.segmentation == "cuts";
   options.parameterisation = words.parameterisation == "convex"       ? Parameterisation::kConvex
                              : words.parameterisation == "projection" ? Parameterisation::kProjection
