@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kWidth = 360, kHeight = 290;
 constexpr double kLeft = 46, kRight = 350, kTop = 10, kBottom = 246;
+// Of the cost axis's figures: below those of the error axis, which they meet in the corner.
+constexpr double kTickDrop = 16;
 constexpr double kMarkerRadius = 4.5, kMarkerExtent = 6.5;  // of a circle; of any, with its outline
 // Of the labels' font, bold 10: the widest in use is DejaVu Sans.
 constexpr double kLetter = 7, kAscent = 9.5, kDescent = 2.5;
@@ -100,7 +102,7 @@ class PlotWriter {
     for (const double tick : costs_.ticks()) {
       const double x = std::lerp(kLeft, kRight, costs_.position(tick));
       svg += line({x, kTop}, {x, kBottom}, "grid") +
-             text({x, kBottom + 14}, "middle", "tick", plot_.cost_text(tick));
+             text({x, kBottom + kTickDrop}, "middle", "tick", plot_.cost_text(tick));
     }
     for (const double tick : errors_.ticks()) {
       const double y = std::lerp(kBottom, kTop, errors_.position(tick));
