@@ -57,7 +57,12 @@ class PlacedCharts {
         texcoords_[c].push_back({static_cast<float>(place.x()), static_cast<float>(place.y())});
       }
       nudged_ += nudgeFlipped(pieces[c].chart.triangles, texcoords_[c]);
-      if (!isFine(pieces[c].chart, texcoords_[c])) spoiled_.push_back(c);
+      if (isFine(pieces[c].chart, texcoords_[c])) continue;
+      // One triangle cannot be divided: if nothing turns it back it collapses, which is counted.
+      if (pieces[c].chart.triangles.size() == 1)
+        texcoords_[c][2] = texcoords_[c][1];
+      else
+        spoiled_.push_back(c);
     }
   }
 
