@@ -5,14 +5,34 @@
 #include <string>
 #include <vector>
 
+#include "formats/file.h"
 #include "formats/triangle_mesh.h"
 
 namespace bakelight::formats {
 
+// A picture that gives a material its albedo.
+struct AlbedoTexture {
+  // How coordinates outside 0–1 are read, as glTF's samplers say.
+  enum class Wrap { kRepeat, kMirror, kClamp };
+
+  std::string name;            // for messages: the path, or where in which file it is embedded
+  std::filesystem::path path;  // a picture file; empty if the picture is embedded
+  Bytes bytes = {};            // what an embedded picture's file would hold (PNG, JPEG, …)
+  Wrap wrap_u = Wrap::kRepeat, wrap_v = Wrap::kRepeat;
+};
+
 struct MeshImport {
+  // Its colours are the vertex colours times the material's own colour (OBJ: Kd, glTF: baseColorFactor) and
+  // are to be multiplied by the material's texture, if it has one. No colours, where neither says anything.
   TriangleMesh mesh;
+  std::vector<AlbedoTexture> textures = {};
+  // For each of mesh.material_names the index of its texture, or −1. Empty without textures.
+  std::vector<int> material_textures = {};
+  // Where textures are looked up: one a vertex, origin at the lower left, the material's own set of
+  // coordinates with its transform applied. Vertices without a texture have {0, 0}. Empty without textures.
+  std::vector<Float2> texture_lookups = {};
   // What a person should know: "12 polygons were triangulated", "3 materials were merged".
-  std::vector<std::string> notes;
+  std::vector<std::string> notes = {};
 };
 
 // +Y up: 3DS files, which have +Z up by convention, are turned. OBJ, PLY, STL and OFF do not say and are left

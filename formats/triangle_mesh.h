@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace bakelight::formats {
@@ -22,6 +23,10 @@ struct TriangleMesh {
   std::vector<Triangle> triangles;  // indices into the vertices
   // Diffuse albedo, linear, 0–1.
   std::vector<Float3> colors = {};
+  // The material of each triangle, an index into the names; both are empty where a mesh tells no materials
+  // apart. Names are those of the mesh's file: they may be empty, repeat, or belong to no triangle.
+  std::vector<std::uint32_t> triangle_materials = {};
+  std::vector<std::string> material_names = {};
 
   std::size_t vertexCount() const { return positions.size(); }
   std::size_t triangleCount() const { return triangles.size(); }

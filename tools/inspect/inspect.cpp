@@ -15,7 +15,7 @@ using Options = std::optional<PreviewOptions>;
 formats::MeshImport readMesh(const std::filesystem::path& path) {
   if (path.extension() == ".ply") {
     try {
-      return {formats::readPly(path), {}};
+      return {.mesh = formats::readPly(path)};
     } catch (const Error&) {
       // A PLY of another flavour, or one that importMesh has the right words about.
     }
