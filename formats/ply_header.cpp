@@ -56,7 +56,11 @@ class HeaderReader {
     }
     for (std::string_view line = nextLine();; line = nextLine()) {
       const auto words = wordsOf(line);
-      if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+      if (words.empty() || words[0] == "obj_info") continue;
+      if (words[0] == "comment") {
+        header_.comments.emplace_back(line.substr(static_cast<std::size_t>(words[0].end() - line.begin())));
+        continue;
+      }
       if (words[0] == "end_header") break;
       if (words[0] == "format" && words.size() == 3) {
         header_.format = words[1];

@@ -33,7 +33,8 @@ struct PlyElement {
 struct PlyHeader {
   std::string format, version;  // "ascii", "binary_little_endian", "binary_big_endian"; "1.0"
   std::vector<PlyElement> elements;
-  std::size_t size_bytes = 0;  // where the body begins
+  std::vector<std::string> comments;  // each without the word itself
+  std::size_t size_bytes = 0;         // where the body begins
 };
 
 // Throws Error(kBadInput) naming `file` and the malformed line.
