@@ -44,6 +44,17 @@ class QuadricModule : public OpenMesh::Decimater::ModBaseT<MeshT> {
     return static_cast<float>(mean2 + kLengthPull * kLengthPull * (collapse.p1 - collapse.p0).sqrnorm());
   }
 
+  // The edges of v0 vanish into those of v1, which become the border where it ran along v0's.
+  void preprocess_collapse(const CollapseInfo& collapse) override {
+    MeshT& mesh = Base::mesh();
+    const auto inherit = [&](HalfedgeHandle vanishing, HalfedgeHandle staying) {
+      if (vanishing.is_valid() && isMaterialBorder(mesh, mesh.edge_handle(vanishing)))
+        mesh.status(mesh.edge_handle(staying)).set_feature(true);
+    };
+    inherit(collapse.v0vl, collapse.vlv1);
+    inherit(collapse.vrv0, collapse.v1vr);
+  }
+
   void postprocess_collapse(const CollapseInfo& collapse) override {
     Base::mesh().property(errors_, collapse.v1) += Base::mesh().property(errors_, collapse.v0);
   }

@@ -29,6 +29,8 @@ std::uint64_t addBacks(formats::TriangleMesh& mesh) {
     }
     std::swap(back[1], back[2]);
     mesh.triangles.push_back(back);
+    if (!mesh.triangle_materials.empty())
+      mesh.triangle_materials.push_back(std::uint32_t{mesh.triangle_materials[t]});
   }
   return mesh.triangleCount() - fronts;
 }

@@ -1,5 +1,6 @@
 #include "tools/simplify/normals.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -13,15 +14,17 @@ bool isCrease(const HalfEdgeMesh& mesh, HalfedgeHandle h) {
   return mesh.status(mesh.edge_handle(h)).feature();
 }
 
-// The triangles around a vertex, counter-clockwise, parted at creases; each as the half-edge leaving the
-// vertex.
-std::vector<std::vector<HalfedgeHandle>> smoothFans(const HalfEdgeMesh& mesh, VertexHandle vertex) {
-  std::vector<HalfedgeHandle> around;
+// Triangles around a vertex, counter-clockwise, each as the half-edge leaving the vertex.
+using Fan = std::vector<HalfedgeHandle>;
+
+// Parted at creases.
+std::vector<Fan> smoothFans(const HalfEdgeMesh& mesh, VertexHandle vertex) {
+  Fan around;
   for (const auto h : mesh.voh_ccw_range(vertex)) around.push_back(h);
   std::size_t first = 0;  // begin at a crease, if there is one
   while (first < around.size() && !isCrease(mesh, around[first])) ++first;
   const bool any_crease = first < around.size();
-  std::vector<std::vector<HalfedgeHandle>> fans;
+  std::vector<Fan> fans;
   for (std::size_t i = 0; i < around.size(); ++i) {
     const HalfedgeHandle h = around[(any_crease ? first + i : i) % around.size()];
     if (fans.empty() || (isCrease(mesh, h) && !fans.back().empty())) fans.emplace_back();
@@ -31,7 +34,7 @@ std::vector<std::vector<HalfedgeHandle>> smoothFans(const HalfEdgeMesh& mesh, Ve
   return fans;
 }
 
-formats::Float3 fanNormal(const HalfEdgeMesh& mesh, const std::vector<HalfedgeHandle>& fan) {
+formats::Float3 fanNormal(const HalfEdgeMesh& mesh, const Fan& fan) {
   Point sum(0, 0, 0);
   for (const HalfedgeHandle h : fan) {
     const Point u = mesh.calc_edge_vector(h), v = -mesh.calc_edge_vector(mesh.prev_halfedge_handle(h));
@@ -42,15 +45,40 @@ formats::Float3 fanNormal(const HalfEdgeMesh& mesh, const std::vector<HalfedgeHa
   return transport::float3(vec3(sum / length));
 }
 
+// The parts of a fan that have one material each, in the order in which they begin.
+std::vector<Fan> byMaterial(const HalfEdgeMesh& mesh, const Fan& fan) {
+  const auto material = [&](HalfedgeHandle h) { return mesh.data(mesh.face_handle(h)).material; };
+  std::vector<Fan> parts;
+  for (const HalfedgeHandle h : fan) {
+    auto part = std::find_if(parts.begin(), parts.end(),
+                             [&](const Fan& other) { return material(other.front()) == material(h); });
+    if (part == parts.end()) part = parts.emplace(parts.end());
+    part->push_back(h);
+  }
+  return parts;
+}
+
+void giveOwnVertex(const HalfEdgeMesh& mesh, const Fan& fan, std::uint32_t vertex,
+                   const formats::Float3& normal, formats::TriangleMesh& result) {
+  const auto copy = static_cast<std::uint32_t>(result.positions.size());
+  result.positions.push_back(formats::Float3(result.positions[vertex]));
+  result.normals.push_back(normal);
+  for (const HalfedgeHandle h : fan) {
+    Triangle& triangle = result.triangles[static_cast<std::size_t>(mesh.face_handle(h).idx())];
+    for (std::uint32_t& index : triangle) index = index == vertex ? copy : index;
+  }
+}
+
 }  // namespace
 
 ShadedMesh withNormals(const WorkingMesh& working, double crease_angle_deg, double min_crease_length) {
   HalfEdgeMesh mesh = halfEdgeMesh(working);
   mesh.update_face_normals();
-  markFeatures(mesh, crease_angle_deg, min_crease_length);
+  markCreases(mesh, crease_angle_deg, min_crease_length);
   ShadedMesh shaded;
   formats::TriangleMesh& result = shaded.mesh;
   result.triangles = working.triangles;
+  result.triangle_materials = working.materials;
   for (const Vec3& position : working.positions) result.positions.push_back(transport::float3(position));
   result.normals.resize(result.positions.size());
   for (const auto vertex : mesh.vertices()) {
@@ -58,17 +86,14 @@ ShadedMesh withNormals(const WorkingMesh& working, double crease_angle_deg, doub
     const auto original = static_cast<std::uint32_t>(vertex.idx());
     for (std::size_t k = 0; k < fans.size(); ++k) {
       const formats::Float3 normal = fanNormal(mesh, fans[k]);
-      if (k == 0) {
-        result.normals[original] = normal;
-        continue;
-      }
-      const auto copy = static_cast<std::uint32_t>(result.positions.size());
-      result.positions.push_back(formats::Float3(result.positions[original]));
-      result.normals.push_back(normal);
-      ++shaded.split_vertices;
-      for (const HalfedgeHandle h : fans[k]) {
-        Triangle& triangle = result.triangles[static_cast<std::size_t>(mesh.face_handle(h).idx())];
-        for (std::uint32_t& index : triangle) index = index == original ? copy : index;
+      const std::vector<Fan> parts = byMaterial(mesh, fans[k]);
+      for (std::size_t m = 0; m < parts.size(); ++m) {
+        if (k == 0 && m == 0) {
+          result.normals[original] = normal;
+          continue;
+        }
+        ++(m == 0 ? shaded.split_vertices : shaded.material_vertices);
+        giveOwnVertex(mesh, parts[m], original, normal, result);
       }
     }
   }

@@ -13,7 +13,7 @@ std::int64_t splitLongEdges(HalfEdgeMesh& mesh, double max_length, std::int64_t 
     for (int e = 0; e < static_cast<int>(mesh.n_edges()) && splits < max_splits; ++e) {
       const EdgeHandle edge = mesh.edge_handle(static_cast<unsigned>(e));
       if (mesh.calc_edge_length(edge) <= length) continue;
-      mesh.split(edge, mesh.calc_edge_midpoint(edge));
+      splitEdge(mesh, edge, mesh.calc_edge_midpoint(edge));
       ++splits;
     }
     longest = length;

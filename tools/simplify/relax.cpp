@@ -166,12 +166,12 @@ bool Relaxation::insert(FaceHandle face, const Vec3& place) {
   const double smallest = weights.minCoeff(&least);
   if (weights.maxCoeff() > 1 - kInsertMargin) return false;  // too near a vertex
   if (smallest > kInsertMargin) {
-    mesh_.split(face, point(place));
+    splitFace(mesh_, face, point(place));
     return true;
   }
   const EdgeHandle edge = mesh_.edge_handle(sides[static_cast<std::size_t>(least)]);
   if (mesh_.status(edge).feature() || mesh_.is_boundary(edge)) return false;
-  mesh_.split(edge, point(place));
+  splitEdge(mesh_, edge, point(place));
   return true;
 }
 

@@ -107,8 +107,13 @@ void weld(WorkingMesh& mesh, double tolerance, RepairCounts& counts) {
 // -------------------------------------------------------------------
 
 void removeRepeatedIndices(WorkingMesh& mesh, RepairCounts& counts) {
-  counts.repeated_index_triangles += static_cast<std::int64_t>(std::erase_if(
-      mesh.triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }));
+  std::vector<bool> keep(mesh.triangles.size());
+  for (std::size_t t = 0; t < keep.size(); ++t) {
+    const auto [a, b, c] = mesh.triangles[t];
+    keep[t] = a != b && b != c && c != a;
+    counts.repeated_index_triangles += !keep[t];
+  }
+  keepTriangles(mesh, keep);
 }
 
 // The same triangle, turned so that its smallest index comes first: equal for equal orientation.
@@ -131,22 +136,18 @@ void removeDuplicates(WorkingMesh& mesh, RepairCounts& counts) {
     std::sort(keys[t].sorted.begin(), keys[t].sorted.end());
   }
   std::sort(keys.begin(), keys.end());
-  std::vector<bool> removed(keys.size());
+  std::vector<bool> keep(keys.size(), true);
   for (std::size_t i = 1, first = 0; i < keys.size(); ++i) {
     if (keys[i].sorted != keys[first].sorted) {
       first = i;
       continue;
     }
-    removed[keys[i].triangle] = true;
+    keep[keys[i].triangle] = false;
     const bool same =
         canonical(mesh.triangles[keys[i].triangle]) == canonical(mesh.triangles[keys[first].triangle]);
     ++(same ? counts.duplicate_triangles : counts.reversed_triangles);
   }
-  std::size_t kept = 0;
-  for (std::size_t t = 0; t < keys.size(); ++t) {
-    if (!removed[t]) mesh.triangles[kept++] = mesh.triangles[t];
-  }
-  mesh.triangles.resize(kept);
+  keepTriangles(mesh, keep);
 }
 
 // ---- orientation and manifoldness

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "formats/error.h"
+#include "formats/materials.h"
 #include "tools/simplify/decimate.h"
 #include "tools/simplify/features.h"
 #include "tools/simplify/half_edge_mesh.h"
@@ -40,6 +41,7 @@ void checkInput(const formats::TriangleMesh& mesh, const std::string& file) {
                      "an index below " + std::to_string(mesh.positions.size()));
     }
   }
+  formats::requireMaterials(mesh);
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     for (const float x : mesh.positions[v]) {
       if (!std::isfinite(x)) {
@@ -83,6 +85,7 @@ WorkingMesh reduce(const SurfaceQuery& original, const SimplifyOptions& options,
   mesh.update_face_normals();
   const FeatureCounts features = markFeatures(mesh, options.crease_angle_deg, kMinCreaseSides * side);
   report.crease_edges = features.crease_edges;
+  report.material_edges = features.material_edges;
   report.corners = features.corners;
   const auto target = static_cast<std::size_t>(options.triangles);
   const std::size_t reserve = options.relax_rounds > 0 ? target / kReserveDivisor / 2 * 2 : 0;
@@ -92,7 +95,8 @@ WorkingMesh reduce(const SurfaceQuery& original, const SimplifyOptions& options,
   if (!decimation.reached) {
     report.warnings.push_back(
         "the target of " + std::to_string(options.triangles) +
-        " triangles cannot be reached: a closed component keeps at least 4, an open one 1");
+        " triangles cannot be reached: a closed component keeps at least 4, an open one 1" +
+        (features.material_edges > 0 ? ", and borders between materials stay" : ""));
   }
   watch.lap("decimate");
   if (options.relax_rounds > 0) {
@@ -163,7 +167,10 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
   const double side = equilateralSide(area(mesh) / static_cast<double>(mesh.triangles.size()));
   ShadedMesh shaded = withNormals(mesh, options.crease_angle_deg, kMinCreaseSides * side);
   report.split_vertices = shaded.split_vertices;
+  report.material_vertices = shaded.material_vertices;
   result.mesh = std::move(shaded.mesh);
+  result.mesh.material_names = input.material_names;
+  report.materials = static_cast<std::int64_t>(formats::usedMaterials(result.mesh));
   if (!texcoords.empty()) report.seam_vertices = setTexcoords(result.mesh, texcoords);
   report.vertices_out = static_cast<std::int64_t>(result.mesh.vertexCount());
   report.triangles_out = static_cast<std::int64_t>(result.mesh.triangleCount());

@@ -1,4 +1,5 @@
-// The mesh as the simplify stage works on it: double precision, positions only, in any unit of length.
+// The mesh as the simplify stage works on it: double precision, positions and materials only, in any unit of
+// length.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,8 @@ using transport::Vec3;
 
 struct WorkingMesh {
   std::vector<Vec3> positions;
-  std::vector<Triangle> triangles;  // counter-clockwise seen from outside
+  std::vector<Triangle> triangles;            // counter-clockwise seen from outside
+  std::vector<std::uint32_t> materials = {};  // of each triangle; empty where there are none
 
   const Vec3& corner(std::size_t triangle, int k) const { return positions[triangles[triangle][k]]; }
   // Twice the area, along the normal.
@@ -22,6 +24,9 @@ struct WorkingMesh {
     return (corner(triangle, 1) - corner(triangle, 0)).cross(corner(triangle, 2) - corner(triangle, 0));
   }
 };
+
+// Keeps the triangles for which `keep`, one entry a triangle, is true, in order. Vertices stay.
+void keepTriangles(WorkingMesh& mesh, const std::vector<bool>& keep);
 
 WorkingMesh workingMesh(const formats::TriangleMesh& mesh);
 
