@@ -15,8 +15,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "formats/error.h"
@@ -184,8 +184,8 @@ int main(int argc, char** argv) {
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   try {
     const std::string threads = bakelight::simplify::environment("BAKELIGHT_BENCH_THREADS", "");
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    threads.empty() ? std::numeric_limits<int>::max() : std::stoul(threads));
+    std::optional<tbb::global_control> limit;
+    if (!threads.empty()) limit.emplace(tbb::global_control::max_allowed_parallelism, std::stoul(threads));
     benchmark::RunSpecifiedBenchmarks();
   } catch (const bakelight::Error& error) {
     std::fprintf(stderr, "bench_simplify: %s\n", error.what());
