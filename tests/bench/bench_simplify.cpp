@@ -1,20 +1,27 @@
 // Our simplifier beside meshoptimizer's on the Stanford bunny: closeness to the original, shape of the
 // triangles, time.
 //
+// And what a large scan takes: a rippled ball of a million triangles → 100,000, step by step.
+//
 //   bench_simplify [Google Benchmark flags]
 //   BAKELIGHT_BENCH_MESH=path       another mesh
 //   BAKELIGHT_BENCH_TRIANGLES=n     another target (20000)
+//   BAKELIGHT_BENCH_THREADS=n       no more than n threads
 #include <benchmark/benchmark.h>
 #include <meshoptimizer.h>
+#include <tbb/global_control.h>
 
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
 
 #include "formats/error.h"
 #include "formats/mesh_import.h"
+#include "tests/support/rippled_ball.h"
 #include "tools/simplify/metrics.h"
 #include "tools/simplify/repair.h"
 #include "tools/simplify/simplify.h"
@@ -23,12 +30,15 @@ namespace bakelight::simplify {
 namespace {
 
 constexpr std::size_t kDenseSamples = 1'000'000;
+constexpr std::size_t kLargeTriangles = 1'000'000;
+constexpr int kLargeTarget = 100'000;
 
 struct Outcome {
   WorkingMesh mesh;
   double seconds = 0;
   AngleQuality angles;
   Deviation deviation;  // ÷ bounding-box diagonal
+  std::map<std::string, double> step_seconds;
 };
 
 std::string environment(const char* name, const std::string& fallback) {
@@ -58,6 +68,8 @@ Outcome ours(const formats::TriangleMesh& mesh, int triangles) {
   Outcome outcome;
   outcome.seconds = secondsSince(start);
   outcome.mesh = workingMesh(result.mesh);
+  outcome.step_seconds = std::move(result.report.seconds);
+  outcome.deviation = result.report.deviation;
   return outcome;
 }
 
@@ -103,6 +115,12 @@ void print(const char* who, const Outcome& o) {
       o.angles.worst_min_angle_deg, o.seconds);
 }
 
+void countSeconds(benchmark::State& state, const Outcome& o) {
+  state.SetIterationTime(o.seconds);
+  state.counters["seconds"] = o.seconds;
+  for (const auto& [step, seconds] : o.step_seconds) state.counters["seconds_" + step] = seconds;
+}
+
 void run(benchmark::State& state) {
   const std::string path = environment("BAKELIGHT_BENCH_MESH", BAKELIGHT_DATA_DIR "/models/bunny.obj");
   const int target = std::stoi(environment("BAKELIGHT_BENCH_TRIANGLES", "20000"));
@@ -110,7 +128,7 @@ void run(benchmark::State& state) {
   const SurfaceQuery original(workingMesh(mesh));
   for ([[maybe_unused]] const auto iteration : state) {
     Outcome a = ours(mesh, target), b = meshoptimizers(mesh, target);
-    state.SetIterationTime(a.seconds);
+    countSeconds(state, a);
     judge(a, original);
     judge(b, original);
     const double hausdorff_ratio = a.deviation.hausdorff / b.deviation.hausdorff;
@@ -124,12 +142,26 @@ void run(benchmark::State& state) {
     state.counters["triangles"] = static_cast<double>(a.mesh.triangles.size());
     state.counters["mean_min_angle_deg"] = a.angles.mean_min_angle_deg;
     state.counters["worst_min_angle_deg"] = a.angles.worst_min_angle_deg;
-    state.counters["seconds"] = a.seconds;
     state.counters["meshoptimizer_triangles"] = static_cast<double>(b.mesh.triangles.size());
     state.counters["meshoptimizer_mean_min_angle_deg"] = b.angles.mean_min_angle_deg;
     state.counters["meshoptimizer_worst_min_angle_deg"] = b.angles.worst_min_angle_deg;
     state.counters["meshoptimizer_seconds"] = b.seconds;
     state.counters["time_ratio"] = a.seconds / b.seconds;
+  }
+}
+
+void runRippledBall(benchmark::State& state) {
+  const formats::TriangleMesh mesh = tests::rippledBall(kLargeTriangles);
+  for ([[maybe_unused]] const auto iteration : state) {
+    const Outcome a = ours(mesh, kLargeTarget);
+    countSeconds(state, a);
+    state.counters["triangles_in"] = static_cast<double>(mesh.triangleCount());
+    state.counters["triangles"] = static_cast<double>(a.mesh.triangles.size());
+    const AngleQuality angles = angleQuality(a.mesh);
+    state.counters["mean_min_angle_deg"] = angles.mean_min_angle_deg;
+    state.counters["worst_min_angle_deg"] = angles.worst_min_angle_deg;
+    state.counters["hausdorff"] = a.deviation.hausdorff;
+    state.counters["mean_distance"] = a.deviation.mean;
   }
 }
 
@@ -141,11 +173,19 @@ BENCHMARK(bakelight::simplify::run)
     ->Iterations(1)
     ->UseManualTime()
     ->Unit(benchmark::kSecond);
+BENCHMARK(bakelight::simplify::runRippledBall)
+    ->Name("simplify/rippled_ball")
+    ->Iterations(1)
+    ->UseManualTime()
+    ->Unit(benchmark::kSecond);
 
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   try {
+    const std::string threads = bakelight::simplify::environment("BAKELIGHT_BENCH_THREADS", "");
+    std::optional<tbb::global_control> limit;
+    if (!threads.empty()) limit.emplace(tbb::global_control::max_allowed_parallelism, std::stoul(threads));
     benchmark::RunSpecifiedBenchmarks();
   } catch (const bakelight::Error& error) {
     std::fprintf(stderr, "bench_simplify: %s\n", error.what());
