@@ -140,6 +140,7 @@ void writeFileAtomically(const fs::path& path, std::span<const std::byte> bytes)
     if (!file.close()) throw cannotWrite(path.string(), "writing failed: " + systemMessage(errno));
     if (::rename(temporary.c_str(), path.c_str()) != 0)
       throw cannotWrite(path.string(), "cannot be put in place: " + systemMessage(errno));
+    syncFolderOf(path);
   } catch (...) {
     ::unlink(temporary.c_str());
     throw;
@@ -148,6 +149,13 @@ void writeFileAtomically(const fs::path& path, std::span<const std::byte> bytes)
 
 void writeFileAtomically(const fs::path& path, std::string_view text) {
   writeFileAtomically(path, std::as_bytes(std::span(text)));
+}
+
+void syncFolderOf(const fs::path& path) noexcept {
+  const char* const folder = path.has_parent_path() ? nullptr : ".";
+  const Descriptor opened(
+      ::open(folder != nullptr ? folder : path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (opened.valid()) ::fsync(opened.get());
 }
 
 void removeUnfinishedFile() noexcept {

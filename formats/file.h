@@ -27,6 +27,9 @@ std::string lowerEnding(const std::filesystem::path& path);
 void writeFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void writeFileAtomically(const std::filesystem::path& path, std::string_view text);
 
+// Makes a rename in the folder of `path` last through a crash. Best effort: some file systems cannot.
+void syncFolderOf(const std::filesystem::path& path) noexcept;
+
 // For a signal handler (async-signal-safe): removes the temporary file that a write of this process is
 // filling right now.
 void removeUnfinishedFile() noexcept;

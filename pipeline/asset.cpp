@@ -88,7 +88,7 @@ class Finder {
                      "asset.json, a mesh file (" + join(defaultPort(kMeshPort).endings, ", ") +
                          "), or sub-folders with these");
     if (meshes.size() == 1 && folders.empty()) return addFolderWithOneMesh(folder, meshes.front());
-    for (const fs::path& mesh : meshes) addMesh(mesh, mesh.stem().string());
+    addMeshes(meshes);
     for (const fs::path& inner : folders) problems_.attempt([&] { addSubFolder(inner); });
   }
 
@@ -100,6 +100,14 @@ class Finder {
                      "one mesh file, or an asset.json that names one",
                      "name that folder itself on the command line");
     addFolderWithOneMesh(folder, meshes.front());
+  }
+
+  // Of one folder: where cat.obj lies beside cat.ply, each keeps its ending.
+  void addMeshes(const std::vector<fs::path>& meshes) {
+    std::map<std::string, int> count;
+    for (const fs::path& mesh : meshes) ++count[mesh.stem().string()];
+    for (const fs::path& mesh : meshes)
+      addMesh(mesh, (count[mesh.stem().string()] > 1 ? mesh.filename() : mesh.stem()).string());
   }
 
   void addMesh(const fs::path& mesh, const std::string& name) {
@@ -180,7 +188,8 @@ void checkNames(const std::vector<Asset>& assets, Problems& problems) {
       problems.add(
           badInput({asset.file, "", ""},
                    "is a second asset of the name \"" + asset.name + "\"; the first is " + other->second,
-                   "each name once", "give one of them another \"name\" in its asset.json"));
+                   "each name once, as it names the folder of the outputs",
+                   "give one of them another \"name\" in an asset.json, or bake them with an --out each"));
   }
 }
 

@@ -1,5 +1,12 @@
 #include "pipeline/cache.h"
 
+#include <signal.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -12,6 +19,7 @@ namespace {
 
 constexpr const char* kManifest = "entry.json";
 constexpr const char* kTemporaryPrefix = "tmp-";
+constexpr std::int64_t kAbandonedAfter_ns = std::chrono::nanoseconds(std::chrono::hours(7 * 24)).count();
 
 Json toJson(const CachedFile& file) {
   return {{"file", file.name}, {"bytes", file.bytes}, {"hash", file.hash}};
@@ -25,16 +33,31 @@ std::string dump(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+bool isRunning(long process) {
+  return ::kill(static_cast<pid_t>(process), 0) == 0 || errno != ESRCH;
+}
+
+// "@host-process": what the owner's temporaries have after the key. "@" is in no key.
+std::string mark(const Owner& owner) {
+  return "@" + owner.host + "-" + std::to_string(owner.process);
+}
+
 }  // namespace
 
-Cache::Cache(fs::path folder, Disk& disk, Memo& memo)
-    : folder_(std::move(folder)), disk_(disk), memo_(memo) {}
+Owner Owner::thisProcess() {
+  std::array<char, 256> name{};
+  if (::gethostname(name.data(), name.size() - 1) != 0) name = {"unknown"};
+  Owner owner{name.data(), ::getpid()};
+  for (char& c : owner.host)
+    if (c == '/') c = '_';
+  return owner;
+}
+
+Cache::Cache(fs::path folder, Disk& disk, Memo& memo, Owner owner)
+    : folder_(std::move(folder)), disk_(disk), memo_(memo), owner_(std::move(owner)) {}
 
 fs::path Cache::folderOf(const std::string& key) const {
   return folder_ / key.substr(0, 2) / key;
-}
-fs::path Cache::temporaryOf(const std::string& key) const {
-  return folder_ / (kTemporaryPrefix + key);
 }
 
 Lookup Cache::find(const std::string& key) const {
@@ -75,9 +98,14 @@ void Cache::readStats(const fs::path& path, formats::StageRecord& run) const {
 }
 
 fs::path Cache::startEntry(const std::string& key) {
-  const fs::path folder = temporaryOf(key);
-  disk_.removeAll(folder);
+  const std::string name = kTemporaryPrefix + key + mark(owner_);
+  // An earlier process of the same number may have left one behind.
+  int count = 0;
+  fs::path folder;
+  do folder = folder_ / (name + "-" + std::to_string(count++));
+  while (disk_.stat(folder));
   disk_.makeFolders(folder);
+  started_[key] = folder;
   return folder;
 }
 
@@ -91,7 +119,7 @@ CachedFile Cache::examined(const fs::path& folder, const std::string& name) cons
 
 CacheEntry Cache::finishEntry(const std::string& key, const Ingredients& ingredients,
                               formats::StageRecord run) {
-  const fs::path temporary = temporaryOf(key);
+  const fs::path temporary = started_.at(key);
   CacheEntry entry{.key = key, .folder = folderOf(key), .run = std::move(run)};
   Json outputs = Json::object();
   for (const auto& [port, name] : ingredients.outputs) {
@@ -105,21 +133,44 @@ CacheEntry Cache::finishEntry(const std::string& key, const Ingredients& ingredi
                                            {"outputs", std::move(outputs)},
                                            {"stats", toJson(entry.stats)},
                                            {"run", formats::toJson(entry.run)}}));
+  if (Lookup other = find(key); other.entry) {
+    dropEntry(key);
+    return *std::move(other.entry);
+  }
   disk_.removeAll(entry.folder);  // a damaged one, if any
   disk_.rename(temporary, entry.folder);
+  started_.erase(key);
   memo_.remember(entry.pathOf(entry.stats), entry.stats.hash);
   for (const auto& [port, file] : entry.outputs) memo_.remember(entry.pathOf(file), file.hash);
   return entry;
 }
 
 void Cache::dropEntry(const std::string& key) {
-  disk_.removeAll(temporaryOf(key));
+  const auto started = started_.find(key);
+  if (started == started_.end()) return;
+  disk_.removeAll(started->second);
+  started_.erase(started);
+}
+
+bool Cache::isAbandoned(const std::string& temporary) const {
+  const std::string ours = "@" + owner_.host + "-";
+  const std::size_t at = temporary.find(ours);
+  if (at != std::string::npos) {
+    long process = 0;
+    const char* const end = temporary.data() + temporary.size();
+    const auto parsed = std::from_chars(temporary.data() + at + ours.size(), end, process);
+    if (parsed.ec == std::errc() && process > 0 && parsed.ptr != end && *parsed.ptr == '-' &&
+        !isRunning(process))
+      return true;
+  }
+  const auto stat = disk_.stat(folder_ / temporary);
+  return stat && disk_.now_ns() - stat->mtime_ns > kAbandonedAfter_ns;
 }
 
 void Cache::removeTemporaries() {
   if (!disk_.isFolder(folder_)) return;
   for (const std::string& name : disk_.list(folder_))
-    if (name.starts_with(kTemporaryPrefix)) disk_.removeAll(folder_ / name);
+    if (name.starts_with(kTemporaryPrefix) && isAbandoned(name)) disk_.removeAll(folder_ / name);
 }
 
 }  // namespace bakelight::pipeline

@@ -5,7 +5,6 @@
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -24,12 +23,12 @@ using Clock = std::chrono::steady_clock;
 // How long a tool may take to clean up after SIGTERM.
 constexpr auto kGrace = std::chrono::seconds(3);
 
-volatile std::sig_atomic_t signals_seen = 0;
+volatile std::sig_atomic_t signals_seen = 0;  // that ask to stop
 int wake_pipe[2] = {-1, -1};
 
-void onSignal(int) {
+void onSignal(int signal) {
   const int saved = errno;
-  signals_seen = signals_seen + 1;
+  if (signal != SIGCHLD) signals_seen = signals_seen + 1;
   const char byte = 0;
   [[maybe_unused]] const ssize_t written = ::write(wake_pipe[1], &byte, 1);
   errno = saved;
@@ -38,7 +37,7 @@ void onSignal(int) {
 void handle(int signal, void (*handler)(int)) {
   struct sigaction action {};
   action.sa_handler = handler;
-  action.sa_flags = SA_RESTART;
+  action.sa_flags = SA_RESTART | SA_NOCLDSTOP;
   sigemptyset(&action.sa_mask);
   ::sigaction(signal, &action, nullptr);
 }
@@ -91,8 +90,18 @@ pid_t spawn(const std::vector<std::string>& command, int output, int error_outpu
   return pid;
 }
 
-int openProcess(pid_t pid) {
-  return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
+// A process that is started with SIGCHLD blocked would never hear of its children's end.
+void unblock(int signal) {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, signal);
+  ::pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
+}
+
+bool hasEnded(pid_t pid) {
+  siginfo_t info{};
+  return ::waitid(P_PID, static_cast<id_t>(pid), &info, WEXITED | WNOHANG | WNOWAIT) != 0 ||
+         info.si_pid == pid;
 }
 
 pid_t waitFor(pid_t pid, int& status, rusage& usage) {
@@ -109,7 +118,9 @@ LocalRunner::LocalRunner() {
   const Pipe wake = makePipe();
   wake_pipe[0] = wake.read_end;
   wake_pipe[1] = wake.write_end;
-  ::fcntl(wake_pipe[1], F_SETFL, O_NONBLOCK);
+  for (const int end : wake_pipe) ::fcntl(end, F_SETFL, O_NONBLOCK);
+  handle(SIGCHLD, onSignal);
+  unblock(SIGCHLD);
   handle(SIGINT, onSignal);
   handle(SIGTERM, onSignal);
 }
@@ -119,6 +130,7 @@ LocalRunner::~LocalRunner() {
   while (!children_.empty()) reap(children_.begin()->first);
   handle(SIGINT, SIG_DFL);
   handle(SIGTERM, SIG_DFL);
+  handle(SIGCHLD, SIG_DFL);
   ::close(wake_pipe[0]);
   ::close(wake_pipe[1]);
 }
@@ -137,7 +149,6 @@ void LocalRunner::start(Job job, const std::vector<std::string>& command) {
   ::close(lines.write_end);
   ::fcntl(lines.read_end, F_SETFL, O_NONBLOCK);
   child.error_descriptor = lines.read_end;
-  child.exit_descriptor = openProcess(child.pid);
   children_[job] = std::move(child);
 }
 
@@ -151,18 +162,18 @@ std::optional<Event> LocalRunner::wait(int timeout_ms) {
     std::vector<Job> jobs;
     for (const auto& [job, child] : children_) {
       jobs.push_back(job);
-      watched.push_back({child.exit_descriptor, POLLIN, 0});
       watched.push_back({child.error_descriptor, POLLIN, 0});
     }
     ::poll(watched.data(), watched.size(), timeout_ms);
-    for (std::size_t i = 0; i < jobs.size(); ++i) {
-      if (watched[2 + 2 * i].revents != 0) readLines(jobs[i], children_.at(jobs[i]));
-      if (watched[1 + 2 * i].revents != 0) reap(jobs[i]);
+    // Before looking for ended children: who ends after the look wakes the next call.
+    std::array<char, 64> drained;
+    while (::read(wake_pipe[0], drained.data(), drained.size()) > 0) {
     }
+    for (std::size_t i = 0; i < jobs.size(); ++i)
+      if (watched[1 + i].revents != 0) readLines(jobs[i], children_.at(jobs[i]));
+    reapEnded();
     if (kill_at_ && Clock::now() >= *kill_at_) killAll(SIGKILL);
     if (signals_seen > signals_reported_) {
-      std::array<char, 64> drained;
-      [[maybe_unused]] const ssize_t got = ::read(wake_pipe[0], drained.data(), drained.size());
       // Whoever asks twice does not want to wait for a clean end.
       if (signals_reported_ > 0) killAll(SIGKILL);
       signals_reported_ = signals_seen;
@@ -213,7 +224,6 @@ void LocalRunner::reap(Job job) {
   if (child.error_descriptor >= 0) readLines(job, child);
   if (!child.unfinished_line.empty()) takeLine(job, child, child.unfinished_line);
   if (child.error_descriptor >= 0) ::close(child.error_descriptor);
-  if (child.exit_descriptor >= 0) ::close(child.exit_descriptor);
   events_.push_back(
       {job, ToolFinished{.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : 0,
                          .signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0,
@@ -222,6 +232,13 @@ void LocalRunner::reap(Job job) {
                          .peak_memory_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024,
                          .error = std::move(child.error)}});
   children_.erase(job);
+}
+
+void LocalRunner::reapEnded() {
+  std::vector<Job> ended;
+  for (const auto& [job, child] : children_)
+    if (hasEnded(child.pid)) ended.push_back(job);
+  for (const Job job : ended) reap(job);
 }
 
 void LocalRunner::stopAll() {

@@ -10,7 +10,9 @@
 
 namespace bakelight::pipeline {
 
-// While one exists, SIGINT and SIGTERM do not end the process but become Interrupted events. One at a time.
+// While one exists, SIGINT and SIGTERM do not end the process but become Interrupted events, and SIGCHLD
+// wakes wait(): every kernel and container has it, which cannot be said of process descriptors. One at a
+// time.
 class LocalRunner : public Runner {
  public:
   LocalRunner();
@@ -27,7 +29,6 @@ class LocalRunner : public Runner {
  private:
   struct Child {
     pid_t pid = -1;
-    int exit_descriptor = -1;   // readable once the process has ended
     int error_descriptor = -1;  // its standard output and error
     std::chrono::steady_clock::time_point start;
     std::string unfinished_line;
@@ -37,6 +38,7 @@ class LocalRunner : public Runner {
   void readLines(Job job, Child& child);
   void takeLine(Job job, Child& child, std::string_view line);
   void reap(Job job);
+  void reapEnded();
   void killAll(int signal);
 
   std::map<Job, Child> children_;

@@ -86,6 +86,14 @@ TEST(Asset, TwoOfOneName) {
       ElementsAre(AllOf(HasSubstr("second asset of the name \"cube\""), HasSubstr("assets/cube/cube.obj"))));
 }
 
+TEST(Asset, MeshesOfOneFolderThatDifferInTheirEndingOnlyKeepIt) {
+  Workshop workshop;
+  workshop.disk.write("models/cat.obj", "a cat");
+  workshop.disk.write("models/cat.ply", "another");
+  workshop.disk.write("models/dog.ply", "a dog");
+  EXPECT_THAT(namesOf(workshop.graph({"models"})), ElementsAre("cat.obj", "cat.ply", "dog"));
+}
+
 TEST(Asset, NameMustBeAFolderName) {
   for (const std::string name : {"", "a/b", ".cache"}) {
     Workshop workshop;

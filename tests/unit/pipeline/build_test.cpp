@@ -2,6 +2,10 @@
 #include "pipeline/build.h"
 
 #include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
 
 #include "formats/error.h"
 #include "workshop.h"
@@ -236,13 +240,52 @@ TEST(Build, InterruptionLeavesNoTemporariesAndTheNextRunGoesOn) {
   EXPECT_EQ(next.toolsStarted(), (Tools{"transfer", "pack", "player"}));
 }
 
-TEST(Build, TemporariesOfAKilledDriverAreRemoved) {
+// The number of a process that is no more.
+pid_t endedProcess() {
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(0);
+  ::waitpid(child, nullptr, 0);
+  return child;
+}
+
+TEST(Build, TemporariesOfAKilledDriverAreRemovedAndThoseOfLivingOnesAreNot) {
   FakeDisk disk;
-  disk.write("out/.cache/tmp-0123/mesh.ply", "half");
+  const std::string ended = std::to_string(endedProcess()), living = std::to_string(::getpid());
+  const auto temporary = [](const std::string& owner) {
+    return "out/.cache/tmp-0123@" + owner + "-0/mesh.ply";
+  };
+  disk.write(temporary("here-" + ended), "half");
+  disk.write(temporary("here-" + living), "half");
+  disk.write(temporary("there-" + ended), "half");
   disk.write("out/.cache/01/0123/mesh.ply", "whole");
   Memo memo("out/.cache/memo.json", disk);
-  Cache("out/.cache", disk, memo).removeTemporaries();
+  Cache cache("out/.cache", disk, memo, {"here", ::getpid()});
+  cache.removeTemporaries();
+  EXPECT_THAT(disk.paths(), ElementsAre("out/.cache/01/0123/mesh.ply", temporary("here-" + living),
+                                        temporary("there-" + ended)));
+  disk.passTime(std::chrono::hours(8 * 24));
+  cache.removeTemporaries();
   EXPECT_THAT(disk.paths(), ElementsAre("out/.cache/01/0123/mesh.ply"));
+}
+
+// As on a file system that has no locks.
+TEST(Build, TwoDriversThatMakeOneEntryTakeTheOneThatIsThereFirst) {
+  FakeDisk disk;
+  Memo memo("out/.cache/memo.json", disk);
+  Cache mine("out/.cache", disk, memo, {"here", 1}), theirs("out/.cache", disk, memo, {"there", 1});
+  const Ingredients ingredients{.outputs = {{"mesh", "mesh.ply"}}};
+  const auto make = [&](Cache& cache, const std::string& content) {
+    const auto folder = cache.startEntry("0123");
+    disk.write(folder / "mesh.ply", content);
+    disk.write(folder / kStatsFile, formats::toJson(formats::StageRecord{.tool = "simplify"}).dump());
+  };
+  make(mine, "mine");
+  make(theirs, "theirs");
+  const CacheEntry first = theirs.finishEntry("0123", ingredients, {});
+  const CacheEntry second = mine.finishEntry("0123", ingredients, {});
+  EXPECT_EQ(second.folder, first.folder);
+  EXPECT_EQ(disk.read(second.pathOf(second.outputs.at("mesh"))), "theirs");
+  EXPECT_THAT(disk.pathsContaining("tmp-"), IsEmpty());
 }
 
 TEST(Build, FullDiskFailsTheStageAndLeavesNothingHalfDone) {

@@ -2,6 +2,7 @@
 // or clocks.
 #pragma once
 
+#include <chrono>
 #include <deque>
 #include <functional>
 #include <map>
@@ -32,6 +33,7 @@ class FakeDisk : public Disk {
   void removeAll(const Path& path) override;
 
   void touch(const Path& path);
+  void passTime(std::chrono::nanoseconds time) { clock_ns_ += time.count(); }
   std::vector<std::string> paths() const;  // of all files
   std::vector<std::string> pathsContaining(const std::string& text) const;
 
