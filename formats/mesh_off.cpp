@@ -216,8 +216,11 @@ class TextOff {
     const std::size_t words = wordsIn(line_);
     if (vertex_count_ == 0 || words == base) return;
     const bool declared = header_.colors && (words == base + 3 || words == base + 4);
-    if (declared || linesLeft() >= vertex_count_ + face_count_) return;
-    flowing_ = words < base || words % base == 0 || words > base + 4;
+    const std::uint64_t rows = vertex_count_ + face_count_, lines = linesLeft();
+    if (words < base)
+      flowing_ = lines != rows;
+    else
+      flowing_ = !declared && lines < rows && (words % base == 0 || words > base + 4);
   }
 
   float readNumber(std::string_view word, std::uint64_t vertex) const {

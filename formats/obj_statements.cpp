@@ -75,8 +75,10 @@ class StatementReader {
       : lines_(withoutByteOrderMark(text)), file_(std::move(file)) {}
 
   ObjStatements read() {
-    for (std::string_view line; lines_.next(line);) readLine(line);
-    result_.ends_inside_line = !lines_.scanner().latestHasEnd();
+    for (std::string_view line; lines_.next(line);) {
+      readLine(line);
+      result_.ends_inside_line = !lines_.scanner().latestHasEnd() && !trimmed(line).empty();
+    }
     result_.line_count = lines_.scanner().lineNumber();
     if (!result_.colors.empty()) result_.colors.resize(result_.positions.size(), kNoColor);
     checkLargestIndices();
@@ -102,9 +104,9 @@ class StatementReader {
     std::string_view rest = line;
     const std::string_view keyword = takeWord(rest);
     if (keyword.empty() || keyword[0] == '#') return;
-    if (equalIgnoringCase(keyword, "v")) {
+    if (keyword == "v" || keyword == "V") {
       readVertex(withoutComment(rest));
-    } else if (equalIgnoringCase(keyword, "f") || equalIgnoringCase(keyword, "fo")) {
+    } else if (keyword == "f" || keyword == "F" || equalIgnoringCase(keyword, "fo")) {
       readFace(withoutComment(rest));
     } else if (equalIgnoringCase(keyword, "vt")) {
       std::array<float, 4> values = {};

@@ -40,7 +40,7 @@ struct ObjStatements {
   std::vector<NotFinite> not_finite;  // positions
 
   std::vector<std::string> notes;
-  bool ends_inside_line = false;  // the last line has no line end
+  bool ends_inside_line = false;  // the last line has no line end, and is not blank
   std::uint64_t line_count = 0;
 };
 

@@ -2,6 +2,8 @@
 // formats/ply_parts.cpp.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -110,13 +112,11 @@ class PlyBinaryBody {
   template <class T>
   T take() {
     if (sizeof(T) > bytesLeft()) throw plyEndsHere(file_, row_);
-    std::byte raw[sizeof(T)];
-    for (std::size_t i = 0; i < sizeof(T); ++i)
-      raw[kEndian == std::endian::native ? i : sizeof(T) - 1 - i] = bytes_[position_ + i];
+    std::array<std::byte, sizeof(T)> raw;
+    std::memcpy(raw.data(), bytes_.data() + position_, sizeof(T));
+    if constexpr (kEndian != std::endian::native) std::reverse(raw.begin(), raw.end());
     position_ += sizeof(T);
-    T value;
-    std::memcpy(&value, raw, sizeof(T));
-    return value;
+    return std::bit_cast<T>(raw);
   }
 
   std::int64_t takeWhole(double value) const {

@@ -15,8 +15,8 @@ class PolygonTriangulator {
  public:
   // Appends n − 2 triangles of the polygon's corners (numbers from 0; n >= 3), in its sense of rotation. It
   // may be concave; it is judged in its mean plane (Newell). Corners within an edge belong to triangles of
-  // area, so that no crack opens there. False if the polygon has no area or crosses itself: then the
-  // triangles name every corner, and that is all.
+  // area, so that no crack opens there. False if the polygon has no area or is found to cross itself: then
+  // the triangles name every corner, and that is all.
   //
   // Ear clipping (Meisters 1975, "Polygons have ears"), every other corner in turn, so that a round polygon
   // becomes no fan. Cost: O(n²), near n log n where ears are small.

@@ -55,6 +55,12 @@ FaceTriangles triangulateFaces(std::span<const std::uint32_t> corner_counts, con
   result.triangles.reserve(corner_counts.size());
   result.faces.reserve(corner_counts.size());
   for (std::size_t face = 0; face < corner_counts.size(); ++face) {
+    if (corner_counts[face] == 3) {
+      result.triangles.push_back({begin, begin + 1, begin + 2});
+      result.faces.push_back(static_cast<std::uint32_t>(face));
+      begin += 3;
+      continue;
+    }
     triangles.clear();
     positions.clear();
     for (std::uint32_t k = 0; k < corner_counts[face]; ++k) positions.push_back(position(begin + k));

@@ -51,8 +51,8 @@ std::optional<float> parseWindowsNotFinite(std::string_view word) {
 
 bool LineScanner::next(std::string_view& line) {
   if (text_.empty()) return false;
-  std::size_t end = 0;
-  while (end < text_.size() && text_[end] != '\n' && text_[end] != '\r') ++end;
+  std::size_t end = std::min(text_.find('\n'), text_.size());
+  if (has_returns_) end = std::min(text_.substr(0, end).find('\r'), end);
   line = text_.substr(0, end);
   latest_has_end_ = end < text_.size();
   if (latest_has_end_) {
@@ -64,24 +64,10 @@ bool LineScanner::next(std::string_view& line) {
   return true;
 }
 
-bool isBlank(char c) {
-  return c == ' ' || (c >= '\t' && c <= '\r');
-}
-
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && isBlank(text.front())) text.remove_prefix(1);
   while (!text.empty() && isBlank(text.back())) text.remove_suffix(1);
   return text;
-}
-
-std::string_view takeWord(std::string_view& text) {
-  std::size_t begin = 0;
-  while (begin < text.size() && isBlank(text[begin])) ++begin;
-  std::size_t end = begin;
-  while (end < text.size() && !isBlank(text[end])) ++end;
-  const std::string_view word = text.substr(begin, end - begin);
-  text.remove_prefix(end);
-  return word;
 }
 
 std::string_view withoutByteOrderMark(std::string_view text) {

@@ -11,7 +11,8 @@ namespace bakelight::formats {
 // Lines that end in LF, CR LF or CR (also mixed), each without its end.
 class LineScanner {
  public:
-  explicit LineScanner(std::string_view text) : text_(text) {}
+  explicit LineScanner(std::string_view text)
+      : text_(text), has_returns_(text.find('\r') != std::string_view::npos) {}
 
   // False at the end of the text. A line end at the very end begins no further line.
   bool next(std::string_view& line);
@@ -23,15 +24,24 @@ class LineScanner {
  private:
   std::string_view text_;
   std::uint64_t number_ = 0;
-  bool latest_has_end_ = true;
+  bool has_returns_ = false, latest_has_end_ = true;
 };
 
 // Blanks are the space, tab, vertical tab and form feed; a line end counts as one where words are asked for
 // across lines.
-bool isBlank(char c);
+inline bool isBlank(char c) {
+  return c == ' ' || (c >= '\t' && c <= '\r');
+}
 std::string_view trimmed(std::string_view text);
 // Takes the next word off `text`; empty at its end.
-std::string_view takeWord(std::string_view& text);
+inline std::string_view takeWord(std::string_view& text) {
+  const char *begin = text.data(), *const end = text.data() + text.size();
+  while (begin != end && isBlank(*begin)) ++begin;
+  const char* rest = begin;
+  while (rest != end && !isBlank(*rest)) ++rest;
+  text = {rest, static_cast<std::size_t>(end - rest)};
+  return {begin, static_cast<std::size_t>(rest - begin)};
+}
 
 std::string_view withoutByteOrderMark(std::string_view text);  // UTF-8's
 // What a text that begins with UTF-16's byte-order mark (of either endianness) says in UTF-8; nothing if it
