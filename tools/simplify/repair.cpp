@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <span>
 #include <tuple>
@@ -44,6 +45,9 @@ struct CellHash {
   }
 };
 
+// Vertices so far out share a cell, which costs time only.
+constexpr double kFarthestCell = 4e18;
+
 // Exact coincidence: sort by coordinates, the earliest index of each run represents it.
 std::vector<Index> exactRepresentatives(const std::vector<Vec3>& positions) {
   std::vector<Index> order(positions.size());
@@ -71,7 +75,9 @@ std::vector<Index> nearRepresentatives(const std::vector<Vec3>& positions, doubl
   std::vector<Index> representative(positions.size());
   for (Index i = 0; i < positions.size(); ++i) {
     Cell cell;
-    for (int k = 0; k < 3; ++k) cell[k] = static_cast<std::int64_t>(std::floor(positions[i][k] / tolerance));
+    for (int k = 0; k < 3; ++k)
+      cell[k] = static_cast<std::int64_t>(
+          std::clamp(std::floor(positions[i][k] / tolerance), -kFarthestCell, kFarthestCell));
     Index found = kNone;
     for (int n = 0; n < 27; ++n) {
       const auto it = grid.find({cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1});
@@ -122,34 +128,6 @@ Triangle canonical(Triangle t) {
   return t;
 }
 
-void removeDuplicates(WorkingMesh& mesh, RepairCounts& counts) {
-  struct Key {
-    Triangle sorted;
-    Index triangle;
-    bool operator<(const Key& other) const {
-      return std::tie(sorted, triangle) < std::tie(other.sorted, other.triangle);
-    }
-  };
-  std::vector<Key> keys(mesh.triangles.size());
-  for (Index t = 0; t < keys.size(); ++t) {
-    keys[t] = {mesh.triangles[t], t};
-    std::sort(keys[t].sorted.begin(), keys[t].sorted.end());
-  }
-  std::sort(keys.begin(), keys.end());
-  std::vector<bool> keep(keys.size(), true);
-  for (std::size_t i = 1, first = 0; i < keys.size(); ++i) {
-    if (keys[i].sorted != keys[first].sorted) {
-      first = i;
-      continue;
-    }
-    keep[keys[i].triangle] = false;
-    const bool same =
-        canonical(mesh.triangles[keys[i].triangle]) == canonical(mesh.triangles[keys[first].triangle]);
-    ++(same ? counts.duplicate_triangles : counts.reversed_triangles);
-  }
-  keepTriangles(mesh, keep);
-}
-
 // ---- orientation and manifoldness
 // ----------------------------------------------------------------------------------
 
@@ -175,6 +153,169 @@ struct EdgeGroups {
     return std::span(sides).subspan(first[g], first[g + 1] - first[g]);
   }
 };
+
+// Disjoint sets of corners; the smallest corner represents its set.
+class CornerSets {
+ public:
+  explicit CornerSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+  Corner find(Corner c) {
+    while (parent_[c] != c) c = parent_[c] = parent_[parent_[c]];
+    return c;
+  }
+  void join(Corner a, Corner b) {
+    a = find(a), b = find(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<Corner> parent_;
+};
+
+// ---- sheets of two sides
+// -------------------------------------------------------------------------------------------
+
+// Triangles that lie back to back on each other.
+class OppositePairs {
+ public:
+  // `twin` of each triangle, or kNone. Triangles that are not kept are as good as gone.
+  OppositePairs(const WorkingMesh& mesh, const std::vector<Index>& twin, const std::vector<bool>& keep)
+      : twin_(twin), part_(twin.size()), is_front_(twin.size()) {
+    const EdgeGroups edges(mesh);
+    std::vector<std::size_t> group_of(3 * twin.size());
+    std::vector<bool> attached(twin.size()), open(twin.size());
+    CornerSets parts(twin.size());
+    for (std::size_t g = 0; g < edges.count(); ++g) {
+      Index first = kNone;
+      std::size_t paired = 0, others = 0;
+      for (const Corner side : edges.group(g)) {
+        const Index t = side / 3;
+        group_of[side] = g;
+        if (!keep[t]) continue;
+        ++(twin[t] == kNone ? others : paired);
+        if (twin[t] == kNone) continue;
+        if (first == kNone) first = t;
+        parts.join(first, t);
+      }
+      if (first == kNone) continue;
+      if (others > 0) attached[first] = true;
+      if (paired == 2) open[first] = true;
+    }
+    std::vector<bool> part_attached(twin.size()), part_open(twin.size());
+    for (Index t = 0; t < twin.size(); ++t) {
+      part_[t] = parts.find(t);
+      if (attached[t]) part_attached[part_[t]] = true;
+      if (open[t]) part_open[part_[t]] = true;
+    }
+    is_sheet_.resize(twin.size());
+    is_closed_.resize(twin.size());
+    for (Index t = 0; t < twin.size(); ++t) {
+      if (twin[t] == kNone || !keep[t]) continue;
+      is_sheet_[t] = part_open[part_[t]] && !part_attached[part_[t]];
+      is_closed_[t] = !part_open[part_[t]] && !part_attached[part_[t]];
+    }
+    chooseFronts(mesh, edges, group_of, keep);
+  }
+
+  // Of a part that is open and hangs together with no triangle that has no back.
+  bool isSheet(Index t) const { return is_sheet_[t]; }
+  bool isOfClosedPart(Index t) const { return is_closed_[t]; }
+  // One of each two; those of a part face the same way.
+  bool isFront(Index t) const { return is_front_[t]; }
+
+ private:
+  void chooseFronts(const WorkingMesh& mesh, const EdgeGroups& edges,
+                    const std::vector<std::size_t>& group_of, const std::vector<bool>& keep) {
+    std::vector<bool> seen(twin_.size());
+    std::vector<Index> queue;
+    const auto take = [&](Index front) {
+      if (seen[front]) return;
+      seen[front] = seen[twin_[front]] = true;
+      is_front_[front] = true;
+      queue.push_back(front);
+    };
+    for (Index seed = 0; seed < twin_.size(); ++seed) {
+      if (twin_[seed] == kNone || !keep[seed] || seen[seed]) continue;
+      queue.clear();
+      take(seed);
+      for (std::size_t next = 0; next < queue.size(); ++next) {
+        for (Corner side = 3 * queue[next]; side < 3 * queue[next] + 3; ++side) {
+          for (const Corner other : edges.group(group_of[side])) {
+            if (twin_[other / 3] != kNone && keep[other / 3] && start(mesh, side) == end(mesh, other))
+              take(other / 3);
+          }
+        }
+      }
+    }
+  }
+
+  const std::vector<Index>& twin_;
+  std::vector<Index> part_;
+  std::vector<bool> is_front_, is_sheet_, is_closed_;
+};
+
+// Of each two triangles back to back one goes; that of a whole sheet remembers what the other showed.
+void settlePairs(WorkingMesh& mesh, const std::vector<Index>& twin, std::vector<bool>& keep,
+                 RepairCounts& counts) {
+  const OppositePairs pairs(mesh, twin, keep);
+  std::map<std::pair<Index, Index>, Index> sheet_of;
+  const auto materialOf = [&](Index t) { return mesh.materials.empty() ? 0 : mesh.materials[t]; };
+  std::vector<std::pair<Index, Index>> fronts;  // triangle, sheet
+  for (Index t = 0; t < twin.size(); ++t) {
+    if (twin[t] == kNone || !keep[t] || !keep[twin[t]]) continue;
+    if (!pairs.isSheet(t)) {
+      keep[std::max(t, twin[t])] = false;
+      ++counts.reversed_triangles;
+      counts.lost_backs += !pairs.isOfClosedPart(t);
+      continue;
+    }
+    const Index front = pairs.isFront(t) ? t : twin[t], back = twin[front];
+    const auto [sheet, is_new] =
+        sheet_of.try_emplace({materialOf(front), materialOf(back)}, static_cast<Index>(mesh.sheets.size()));
+    if (is_new) mesh.sheets.push_back({materialOf(front), materialOf(back)});
+    fronts.emplace_back(front, sheet->second);
+    keep[back] = false;
+    ++counts.sheet_triangles;
+  }
+  if (fronts.empty()) return;
+  mesh.materials.resize(mesh.triangles.size(), 0);
+  for (const auto& [front, sheet] : fronts) mesh.materials[front] = kFirstSheet + sheet;
+}
+
+void removeDuplicates(WorkingMesh& mesh, RepairCounts& counts) {
+  struct Key {
+    Triangle sorted;
+    Index triangle;
+    bool operator<(const Key& other) const {
+      return std::tie(sorted, triangle) < std::tie(other.sorted, other.triangle);
+    }
+  };
+  std::vector<Key> keys(mesh.triangles.size());
+  for (Index t = 0; t < keys.size(); ++t) {
+    keys[t] = {mesh.triangles[t], t};
+    std::sort(keys[t].sorted.begin(), keys[t].sorted.end());
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<bool> keep(keys.size(), true);
+  std::vector<Index> twin(keys.size(), kNone);
+  bool any_pair = false;
+  for (std::size_t i = 1, first = 0; i < keys.size(); ++i) {
+    if (keys[i].sorted != keys[first].sorted) {
+      first = i;
+      continue;
+    }
+    const Index t = keys[i].triangle, earlier = keys[first].triangle;
+    const bool same = canonical(mesh.triangles[t]) == canonical(mesh.triangles[earlier]);
+    if (!same && twin[earlier] == kNone) {
+      twin[earlier] = t, twin[t] = earlier;
+      any_pair = true;
+      continue;
+    }
+    keep[t] = false;
+    ++(same ? counts.duplicate_triangles : counts.reversed_triangles);
+  }
+  if (any_pair) settlePairs(mesh, twin, keep, counts);
+  keepTriangles(mesh, keep);
+}
 
 // The side on the other triangle, or kNone where the surface ends or is cut.
 using Opposite = std::vector<Corner>;
@@ -247,23 +388,6 @@ Opposite pairSides(const WorkingMesh& mesh, const EdgeGroups& edges, RepairCount
   }
   return opposite;
 }
-
-// Disjoint sets of corners; the smallest corner represents its set.
-class CornerSets {
- public:
-  explicit CornerSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-  Corner find(Corner c) {
-    while (parent_[c] != c) c = parent_[c] = parent_[parent_[c]];
-    return c;
-  }
-  void join(Corner a, Corner b) {
-    a = find(a), b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<Corner> parent_;
-};
 
 // Corners that reach each other around a vertex through paired sides form one fan.
 std::vector<Corner> fans(const Opposite& opposite) {
@@ -374,8 +498,9 @@ void removeUnusedVertices(WorkingMesh& mesh) {
 
 bool RepairCounts::clean() const {
   return welded_vertices + repeated_index_triangles + duplicate_triangles + reversed_triangles +
-             zero_area_triangles + kept_needles + non_manifold_edges + non_manifold_vertices +
-             reoriented_triangles + one_sided_cuts + inside_out_components + isolated_vertices ==
+             sheet_triangles + zero_area_triangles + kept_needles + non_manifold_edges +
+             non_manifold_vertices + reoriented_triangles + one_sided_cuts + inside_out_components +
+             isolated_vertices ==
          0;
 }
 
@@ -391,7 +516,9 @@ RepairCounts repair(WorkingMesh& mesh, double weld_tolerance) {
   removeDuplicates(mesh, counts);
   makeManifold(mesh, counts);
   removeUnusedVertices(mesh);
+  std::vector<WorkingMesh::Sheet> sheets = std::move(mesh.sheets);
   const NeedleCounts needles = removeNeedles(mesh, kNeedleHeight);
+  mesh.sheets = std::move(sheets);
   counts.zero_area_triangles = needles.removed;
   counts.kept_needles = needles.kept;
   counts.inside_out_components = turnInsideOutComponents(mesh, components(mesh, EdgeGroups(mesh)));

@@ -12,6 +12,7 @@ Json toJson(const RepairCounts& counts) {
           {"repeated_index_triangles", counts.repeated_index_triangles},
           {"duplicate_triangles", counts.duplicate_triangles},
           {"reversed_triangles", counts.reversed_triangles},
+          {"sheet_triangles", counts.sheet_triangles},
           {"zero_area_triangles", counts.zero_area_triangles},
           {"kept_needles", counts.kept_needles},
           {"non_manifold_edges", counts.non_manifold_edges},

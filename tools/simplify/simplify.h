@@ -19,7 +19,7 @@ namespace bakelight::simplify {
 
 struct SimplifyOptions {
   int triangles = 20000;         // target, ≥ 4; a mesh with no more is repaired but not decimated
-  double weld_tolerance = 1e-7;  // ÷ bounding-box diagonal; 0: only exactly coincident vertices
+  double weld_tolerance = 1e-7;  // ÷ bounding-box diagonal (of the bulk); 0: only exactly coincident vertices
   double crease_angle_deg = 80;  // edges sharper than this keep their place and are shaded flat
   int relax_rounds = 8;          // 0: no flips, moves or fit
 };
@@ -53,8 +53,8 @@ struct SimplifyResult {
 
 // Deterministic: the same bytes for any number of threads. Works in double precision about the bounding box's
 // centre, so units and offsets do not matter beyond the input's own rounding. Throws Error(kBadInput) naming
-// `file` and element for an index out of range, a position that is not finite, no triangle, or none left
-// after the repair. About 5 s for 70k → 20k triangles.
+// `file` and element for an index out of range, a position that is not finite or too far out (losses.h), no
+// triangle, or none left after the repair. About 5 s for 70k → 20k triangles.
 SimplifyResult simplify(const formats::TriangleMesh& mesh, const SimplifyOptions& options,
                         const std::string& file);
 

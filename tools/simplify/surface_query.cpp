@@ -14,7 +14,7 @@
 namespace bakelight::simplify {
 namespace {
 
-// Search radius beyond the best distance found, relative and (in units of the largest coordinate) absolute.
+// Search radius beyond the best distance found, relative and (in units of the query's coordinates) absolute.
 constexpr double kRelativeMargin = 1e-5;
 constexpr double kMarginUnit = 1e-6;
 
@@ -23,7 +23,6 @@ constexpr double kMarginUnit = 1e-6;
 struct SurfaceQuery::Implementation {
   WorkingMesh mesh;
   std::vector<Vec3> normals;
-  double margin = 0;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 
@@ -36,10 +35,11 @@ struct SurfaceQuery::Implementation {
     const Implementation* surface;
     Vec3 position, normal;
     bool facing_only;
+    Material material;
     SurfacePoint best;
   };
   static bool visit(RTCPointQueryFunctionArguments* arguments);
-  SurfacePoint run(const Vec3& position, const Vec3& normal, bool facing_only) const;
+  SurfacePoint run(const Vec3& position, const Vec3& normal, bool facing_only, Material material) const;
 };
 
 bool SurfaceQuery::Implementation::visit(RTCPointQueryFunctionArguments* arguments) {
@@ -47,6 +47,7 @@ bool SurfaceQuery::Implementation::visit(RTCPointQueryFunctionArguments* argumen
   const Implementation& surface = *search.surface;
   const std::uint32_t t = arguments->primID;
   if (search.facing_only && surface.normals[t].dot(search.normal) <= 0) return false;
+  if (search.material && surface.mesh.materials[t] != *search.material) return false;
   const Vec3 &a = surface.mesh.corner(t, 0), &b = surface.mesh.corner(t, 1), &c = surface.mesh.corner(t, 2);
   const Vec3 weights = closestWeights(a, b, c, search.position);
   const Vec3 position = weights[0] * a + weights[1] * b + weights[2] * c;
@@ -55,15 +56,17 @@ bool SurfaceQuery::Implementation::visit(RTCPointQueryFunctionArguments* argumen
   if (best.valid && (distance > best.distance || (distance == best.distance && t > best.triangle)))
     return false;
   best = {true, distance, position, t, weights};
-  const float radius = static_cast<float>(distance * (1 + kRelativeMargin) + surface.margin);
+  // Boxes as near as that have corners no farther out than query and distance together.
+  const double rounding = kMarginUnit * (search.position.cwiseAbs().maxCoeff() + distance);
+  const float radius = static_cast<float>(distance * (1 + kRelativeMargin) + rounding);
   if (radius >= arguments->query->radius) return false;
   arguments->query->radius = radius;
   return true;
 }
 
-SurfacePoint SurfaceQuery::Implementation::run(const Vec3& position, const Vec3& normal,
-                                               bool facing_only) const {
-  Search search{this, position, normal, facing_only, {}};
+SurfacePoint SurfaceQuery::Implementation::run(const Vec3& position, const Vec3& normal, bool facing_only,
+                                               Material material) const {
+  Search search{this, position, normal, facing_only, material, {}};
   RTCPointQuery query{static_cast<float>(position.x()), static_cast<float>(position.y()),
                       static_cast<float>(position.z()), 0.0f, std::numeric_limits<float>::infinity()};
   RTCPointQueryContext context;
@@ -89,14 +92,11 @@ SurfaceQuery::SurfaceQuery(WorkingMesh mesh) : implementation_(std::make_unique<
   auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle), self.mesh.triangles.size()));
   if (vertices == nullptr || indices == nullptr) throw std::bad_alloc();
-  double largest = 0;
   for (const Vec3& position : self.mesh.positions) {
     for (int k = 0; k < 3; ++k) *vertices++ = static_cast<float>(position[k]);
-    largest = std::max(largest, position.cwiseAbs().maxCoeff());
   }
   for (const Triangle& triangle : self.mesh.triangles)
     indices = std::copy(triangle.begin(), triangle.end(), indices);
-  self.margin = kMarginUnit * largest;
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(self.scene, geometry);
   rtcReleaseGeometry(geometry);
@@ -107,12 +107,12 @@ SurfaceQuery::SurfaceQuery(WorkingMesh mesh) : implementation_(std::make_unique<
 
 SurfaceQuery::~SurfaceQuery() = default;
 
-SurfacePoint SurfaceQuery::closest(const Vec3& position) const {
-  return implementation_->run(position, Vec3::Zero(), false);
+SurfacePoint SurfaceQuery::closest(const Vec3& position, Material material) const {
+  return implementation_->run(position, Vec3::Zero(), false, material);
 }
 
-SurfacePoint SurfaceQuery::closestFacing(const Vec3& position, const Vec3& normal) const {
-  return implementation_->run(position, normal, true);
+SurfacePoint SurfaceQuery::closestFacing(const Vec3& position, const Vec3& normal, Material material) const {
+  return implementation_->run(position, normal, true, material);
 }
 
 const WorkingMesh& SurfaceQuery::mesh() const {

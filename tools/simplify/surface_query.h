@@ -1,7 +1,9 @@
 // Closest points on a triangle mesh; Embree's point query behind it.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "tools/simplify/working_mesh.h"
 
@@ -27,10 +29,14 @@ class SurfaceQuery {
   SurfaceQuery(const SurfaceQuery&) = delete;
   SurfaceQuery& operator=(const SurfaceQuery&) = delete;
 
-  SurfacePoint closest(const Vec3& position) const;
+  // Only among triangles of one material, if that is given; the mesh must have materials then.
+  using Material = std::optional<std::uint32_t>;
+
+  SurfacePoint closest(const Vec3& position, Material material = std::nullopt) const;
   // Only among triangles whose normal is within 90° of `normal`, so that the far side of a thin sheet is
   // never met.
-  SurfacePoint closestFacing(const Vec3& position, const Vec3& normal) const;
+  SurfacePoint closestFacing(const Vec3& position, const Vec3& normal,
+                             Material material = std::nullopt) const;
 
   const WorkingMesh& mesh() const;
   const Vec3& triangleNormal(std::uint32_t triangle) const;  // unit; zero for a triangle without area

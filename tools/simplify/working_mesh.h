@@ -13,11 +13,22 @@ namespace bakelight::simplify {
 using formats::Triangle;
 using transport::Vec3;
 
+inline constexpr std::uint32_t kFirstSheet = std::uint32_t{1} << 31;
+
 struct WorkingMesh {
   std::vector<Vec3> positions;
-  std::vector<Triangle> triangles;            // counter-clockwise seen from outside
-  std::vector<std::uint32_t> materials = {};  // of each triangle; empty where there are none
+  std::vector<Triangle> triangles;  // counter-clockwise seen from outside
+  // Of each triangle; empty where there are none. From kFirstSheet on, what the triangle shows on its two
+  // sides is an entry of `sheets`.
+  std::vector<std::uint32_t> materials = {};
+  struct Sheet {
+    std::uint32_t front, back;  // materials
+  };
+  std::vector<Sheet> sheets = {};
 
+  bool isSheet(std::size_t triangle) const {
+    return !materials.empty() && materials[triangle] >= kFirstSheet;
+  }
   const Vec3& corner(std::size_t triangle, int k) const { return positions[triangles[triangle][k]]; }
   // Twice the area, along the normal.
   Vec3 areaVector(std::size_t triangle) const {
