@@ -3,10 +3,12 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <iterator>
-#include <map>
-#include <set>
+#include <numeric>
+#include <optional>
+#include <tuple>
 #include <utility>
 
 #include "tools/atlas/segmentation.h"
@@ -53,10 +55,49 @@ struct Piece {
   double perimeter = 0;
 };
 
-struct Neighbors {
-  std::size_t a, b;  // pieces
-  double shared;     // length of the common border ÷ the smaller perimeter
+// Two pieces with a common border.
+struct Contact {
+  std::uint32_t a, b;  // ids of pieces, a < b
+  double length;
+  bool is_refused = false;
 };
+
+// Contacts of the same two pieces become one.
+void unite(std::vector<Contact>& contacts) {
+  std::stable_sort(contacts.begin(), contacts.end(), [](const Contact& left, const Contact& right) {
+    return std::tie(left.a, left.b) < std::tie(right.a, right.b);
+  });
+  std::size_t count = 0;
+  for (const Contact& contact : contacts) {
+    if (count > 0 && contacts[count - 1].a == contact.a && contacts[count - 1].b == contact.b)
+      contacts[count - 1].length += contact.length;
+    else
+      contacts[count++] = contact;
+  }
+  contacts.resize(count);
+}
+
+// Two pieces that may become one.
+struct Candidate {
+  std::size_t a, b;     // pieces
+  std::size_t contact;  // which
+  double shared;        // length of the common border ÷ the smaller perimeter
+};
+
+// In parallel, those of many triangles first, so that none is left alone at the end.
+template <class Work>
+void forEachLargestFirst(const std::vector<Piece>& pieces, const Work& work) {
+  std::vector<std::size_t> order(pieces.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return pieces[a].triangles.size() > pieces[b].triangles.size();
+  });
+  std::atomic<std::size_t> next = 0;
+  tbb::parallel_for(
+      std::size_t{0}, order.size(), [&](std::size_t) { work(order[next++]); }, tbb::simple_partitioner());
+}
+
+constexpr int kMostParts = 8;
 
 class Charting {
  public:
@@ -94,8 +135,10 @@ class Charting {
 
  private:
   std::vector<FlatPiece> flatPieces() {
-    tbb::parallel_for(std::size_t{0}, pieces_.size(),
-                      [&](std::size_t p) { straightenTeeth(*pieces_[p].flat, options_.flattening); });
+    forEachLargestFirst(pieces_, [&](std::size_t p) {
+      relax(*pieces_[p].flat, options_.flattening);
+      straightenTeeth(*pieces_[p].flat, options_.flattening);
+    });
     std::vector<FlatPiece> result;
     result.reserve(pieces_.size());
     for (Piece& piece : pieces_) result.push_back(std::move(*piece.flat));
@@ -136,7 +179,7 @@ class Charting {
       for (const std::uint32_t t : pieces_[p].triangles) area += surface_.areas[t];
       const int count = static_cast<int>(std::lround(options_.pieces * area));
       if (count <= 1) return;
-      auto whole = flatten(surface_, pieces_[p].triangles, options_.flattening);
+      auto whole = flatten(surface_, pieces_[p].triangles, options_.flattening).piece;
       if (whole && solidityOf(*whole) >= options_.solidity)
         pieces_[p].flat = std::move(whole);
       else
@@ -168,9 +211,9 @@ class Charting {
     }
   }
 
-  // Two halves; or, where most of a piece could be projected along its mean normal, that and the scraps that
-  // could not.
-  std::vector<TriangleSet> partsOf(const TriangleSet& triangles) const {
+  // Halves, or more parts where more are likely to be needed; or, where most of a piece could be projected
+  // along its mean normal, that and the scraps that could not.
+  std::vector<TriangleSet> partsOf(const TriangleSet& triangles, double excess) const {
     if (options_.flattening.parameterisation == Parameterisation::kProjection) {
       const Vec3 axis = meanNormal(surface_, triangles);
       std::vector<std::int32_t> labels;
@@ -187,7 +230,8 @@ class Charting {
       };
       if (parts.size() > 1 && std::any_of(parts.begin(), parts.end(), holdsMost)) return parts;
     }
-    return divided(triangles, 2);
+    // Stretch above 1 grows with the square of the area, as long as that is curved alike.
+    return divided(triangles, std::clamp(static_cast<int>(std::sqrt(excess)), 2, kMostParts));
   }
 
   // Flattens what is not flat, and divides what cannot be, until all are.
@@ -196,13 +240,18 @@ class Charting {
     pieces_.clear();
     while (!open.empty()) {
       std::vector<std::vector<TriangleSet>> parts(open.size());
-      tbb::parallel_for(std::size_t{0}, open.size(), [&](std::size_t i) {
+      forEachLargestFirst(open, [&](std::size_t i) {
         Piece& piece = open[i];
-        if (!piece.flat) piece.flat = flatten(surface_, piece.triangles, options_.flattening);
+        double excess = 0;
+        if (!piece.flat) {
+          Flattening flattening = flatten(surface_, piece.triangles, options_.flattening);
+          piece.flat = std::move(flattening.piece);
+          excess = flattening.excess;
+        }
         if (piece.flat)
           piece.perimeter = perimeterOf(piece.flat->chart);
         else
-          parts[i] = partsOf(piece.triangles);
+          parts[i] = partsOf(piece.triangles, excess);
       });
       for (std::size_t i = 0; i < open.size(); ++i) {
         if (open[i].flat) {
@@ -219,27 +268,35 @@ class Charting {
     pieces_ = std::move(done);
   }
 
-  // Those that may become one as far as can be told without laying them flat, longest common border first.
-  std::vector<Neighbors> mergeable(const std::set<std::pair<std::uint32_t, std::uint32_t>>& refused) const {
-    std::vector<std::size_t> piece_of(surface_.triangleCount());
-    for (std::size_t p = 0; p < pieces_.size(); ++p)
-      for (const std::uint32_t t : pieces_[p].triangles) piece_of[t] = p;
-    std::map<std::pair<std::size_t, std::size_t>, double> lengths;
+  std::vector<Contact> contacts() const {
+    std::vector<std::uint32_t> id_of(surface_.triangleCount());
+    for (const Piece& piece : pieces_)
+      for (const std::uint32_t t : piece.triangles) id_of[t] = piece.id;
+    std::vector<Contact> result;
     for (std::size_t t = 0; t < surface_.triangleCount(); ++t)
       for (std::size_t k = 0; k < 3; ++k) {
         const std::int32_t other = surface_.passable(t, k);
-        if (other < 0 || piece_of[other] <= piece_of[t] || regions_[other] != regions_[t]) continue;
-        lengths[{piece_of[t], piece_of[other]}] += surface_.edgeLength(t, k);
+        if (other >= 0 && id_of[other] > id_of[t] && regions_[other] == regions_[t])
+          result.push_back({id_of[t], id_of[other], surface_.edgeLength(t, k)});
       }
-    std::vector<Neighbors> result;
-    for (const auto& [pair, length] : lengths) {
-      const Piece &a = pieces_[pair.first], &b = pieces_[pair.second];
-      if (refused.contains({a.id, b.id}) || a.flat->chart.area + b.flat->chart.area > options_.largest_share)
+    unite(result);
+    return result;
+  }
+
+  // Those that may become one as far as can be told without laying them flat, longest common border first.
+  std::vector<Candidate> candidates(const std::vector<Contact>& contacts) const {
+    std::vector<std::size_t> piece_of(next_id_);
+    for (std::size_t p = 0; p < pieces_.size(); ++p) piece_of[pieces_[p].id] = p;
+    std::vector<Candidate> result;
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+      const std::size_t a = piece_of[contacts[c].a], b = piece_of[contacts[c].b];
+      if (contacts[c].is_refused ||
+          pieces_[a].flat->chart.area + pieces_[b].flat->chart.area > options_.largest_share)
         continue;
-      result.push_back({pair.first, pair.second, length / std::min(a.perimeter, b.perimeter)});
+      result.push_back({a, b, c, contacts[c].length / std::min(pieces_[a].perimeter, pieces_[b].perimeter)});
     }
     std::stable_sort(result.begin(), result.end(),
-                     [](const Neighbors& a, const Neighbors& b) { return a.shared > b.shared; });
+                     [](const Candidate& a, const Candidate& b) { return a.shared > b.shared; });
     return result;
   }
 
@@ -247,7 +304,7 @@ class Charting {
     TriangleSet both;
     std::merge(a.triangles.begin(), a.triangles.end(), b.triangles.begin(), b.triangles.end(),
                std::back_inserter(both));
-    auto flat = flatten(surface_, both, options_.flattening);
+    auto flat = flatten(surface_, both, options_.flattening).piece;
     if (!flat) return flat;
     // A scrap may join a piece that is hollow itself.
     const Piece& larger = a.flat->chart.area < b.flat->chart.area ? b : a;
@@ -255,38 +312,65 @@ class Charting {
     return flat;
   }
 
-  // In rounds: of the mergeable pairs those that do not meet are tried at once.
+  // In rounds: of the candidates those that do not meet are tried at once.
   void merge() {
-    std::set<std::pair<std::uint32_t, std::uint32_t>> refused;
+    std::vector<Contact> all = contacts();
+    const auto most_work =
+        static_cast<std::int64_t>(options_.merging_effort * static_cast<double>(surface_.triangleCount()));
+    std::int64_t work = 0;
     while (true) {
       std::vector<std::uint8_t> taken(pieces_.size(), 0);
-      std::vector<Neighbors> pairs;
-      for (const Neighbors& pair : mergeable(refused)) {
+      std::vector<Candidate> pairs;
+      for (const Candidate& pair : candidates(all)) {
         if (taken[pair.a] || taken[pair.b]) continue;
+        const auto triangles =
+            static_cast<std::int64_t>(pieces_[pair.a].triangles.size() + pieces_[pair.b].triangles.size());
+        if (work + triangles > most_work) {
+          report_.is_merging_cut_short = true;
+          continue;
+        }
+        work += triangles;
         taken[pair.a] = taken[pair.b] = 1;
         pairs.push_back(pair);
       }
+      report_.triangles_tried = work;
       if (pairs.empty()) return;
       std::vector<std::optional<FlatPiece>> merged(pairs.size());
-      tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
-        merged[i] = together(pieces_[pairs[i].a], pieces_[pairs[i].b]);
-      });
+      tbb::parallel_for(
+          std::size_t{0}, pairs.size(),
+          [&](std::size_t i) { merged[i] = together(pieces_[pairs[i].a], pieces_[pairs[i].b]); },
+          tbb::simple_partitioner());
+      std::vector<std::uint32_t> new_ids(next_id_);
+      std::iota(new_ids.begin(), new_ids.end(), 0u);
       for (std::size_t i = 0; i < pairs.size(); ++i) {
         ++report_.merges_tried;
-        Piece &a = pieces_[pairs[i].a], &b = pieces_[pairs[i].b];
         if (!merged[i]) {
-          refused.insert({a.id, b.id});
+          all[pairs[i].contact].is_refused = true;
           continue;
         }
         ++report_.merges;
-        a.triangles = merged[i]->chart.surface_triangles;
+        Piece &a = pieces_[pairs[i].a], &b = pieces_[pairs[i].b];
+        new_ids[a.id] = new_ids[b.id] = next_id_;
         a.id = next_id_++;
+        a.triangles = merged[i]->chart.surface_triangles;
         a.perimeter = perimeterOf(merged[i]->chart);
         a.flat = std::move(merged[i]);
         b.triangles.clear();
       }
       std::erase_if(pieces_, [](const Piece& piece) { return piece.triangles.empty(); });
+      rename(all, new_ids);
     }
+  }
+
+  // What was refused may be tried again with a piece that has grown.
+  static void rename(std::vector<Contact>& contacts, const std::vector<std::uint32_t>& new_ids) {
+    for (Contact& contact : contacts) {
+      const auto [a, b] = std::minmax(new_ids[contact.a], new_ids[contact.b]);
+      contact.is_refused = contact.is_refused && a == contact.a && b == contact.b;
+      contact.a = a, contact.b = b;
+    }
+    std::erase_if(contacts, [](const Contact& contact) { return contact.a == contact.b; });
+    unite(contacts);
   }
 
   const Surface& surface_;

@@ -19,10 +19,14 @@ struct ChartingOptions {
   double pieces = 14;          // to begin with, for the whole area
   double solidity = 0.87;      // least area ÷ area of the convex hull in the plane that merging may make
   double largest_share = 0.3;  // of the whole area, that merging may make
+  // Merging ends when it has laid so many times all triangles flat: effort is counted, never timed.
+  double merging_effort = 40;
 };
 
 struct ChartingReport {
   std::int64_t regions = 0, first_pieces = 0, splits = 0, merges = 0, merges_tried = 0;
+  std::int64_t triangles_tried = 0;   // that merging laid flat, in all
+  bool is_merging_cut_short = false;  // more might be possible
 };
 
 // Segmentation (segmentation.h) within what creases separate, flattening, halving of what does not lie flat,

@@ -46,12 +46,23 @@ Plane convexly(const Chart& chart, const FlatteningOptions& options) {
   return std::move(result->plane);
 }
 
-// Convex polygons are a start for whatever they take.
+double largestStretch(const Chart& chart, const FlatteningOptions& options) {
+  const double excess = chart.area < options.small_area ? kSmallChartsExcess : 1;
+  return 1 + excess * (options.max_stretch - 1) + kRoundingStretch;
+}
+
+// Convex polygons are a start for whatever they take, but a slow one: what is larger is divided sooner.
 Plane freely(const Chart& chart, const FlatteningOptions& options) {
+  constexpr std::size_t kMostTriangles = 400;
   Plane start = flatStart(chart);
-  if (!start) start = convexly(chart, options);
-  if (start) start = minimiseDistortion(chart, std::move(*start));
-  return start;
+  if (!start && (chart.triangles.size() <= kMostTriangles || !std::isfinite(options.max_stretch)))
+    start = convexly(chart, options);
+  if (!start) return start;
+  auto plane = minimiseDistortion(chart, std::move(*start), {.enough_l2 = largestStretch(chart, options)});
+  // Where little stretch comes sooner than that no part lies on another.
+  if (stretchOf(chart, plane).l2() <= largestStretch(chart, options) && !isInjective(chart, plane))
+    plane = minimiseDistortion(chart, std::move(plane));
+  return plane;
 }
 
 Plane projected(const Surface& surface, const Chart& chart, double threshold_deg) {
@@ -94,8 +105,18 @@ void measure(FlatPiece& piece) {
 }
 
 bool isWithinStretch(const FlatPiece& piece, const FlatteningOptions& options) {
-  const double excess = piece.chart.area < options.small_area ? kSmallChartsExcess : 1;
-  return piece.stretch.l2() <= 1 + excess * (options.max_stretch - 1) + kRoundingStretch;
+  return piece.stretch.l2() <= largestStretch(piece.chart, options);
+}
+
+// Takes the other plane if it is within the limits.
+void takeIfValid(FlatPiece& piece, std::vector<Vec2> plane, const FlatteningOptions& options) {
+  if (!isInjective(piece.chart, plane)) return;
+  std::swap(piece.plane, plane);
+  const StretchSum before = piece.stretch;
+  measure(piece);
+  if (isWithinStretch(piece, options)) return;
+  std::swap(piece.plane, plane);
+  piece.stretch = before;
 }
 
 }  // namespace
@@ -110,28 +131,31 @@ bool isWithin(const Surface& surface, std::uint32_t triangle, const Vec3& axis, 
   return surface.normals[triangle].dot(axis) >= std::cos(threshold_deg * std::numbers::pi / 180);
 }
 
-std::optional<FlatPiece> flatten(const Surface& surface, std::span<const std::uint32_t> triangles,
-                                 const FlatteningOptions& options) {
+Flattening flatten(const Surface& surface, std::span<const std::uint32_t> triangles,
+                   const FlatteningOptions& options) {
   FlatPiece piece;
   piece.chart = chartOf(surface, triangles);
   Plane plane = planeOf(surface, piece.chart, options);
-  if (!plane) return std::nullopt;
+  if (!plane) return {};
   piece.plane = std::move(*plane);
-  if (triangles.size() > 1 && !isInjective(piece.chart, piece.plane)) return std::nullopt;
+  if (triangles.size() > 1 && !isInjective(piece.chart, piece.plane)) return {};
   measure(piece);
-  if (triangles.size() > 1 && !isWithinStretch(piece, options)) return std::nullopt;
-  return piece;
+  if (triangles.size() > 1 && !isWithinStretch(piece, options))
+    return {std::nullopt, (piece.stretch.l2() - 1) / (largestStretch(piece.chart, options) - 1)};
+  return {std::move(piece), 0};
+}
+
+void relax(FlatPiece& piece, const FlatteningOptions& options) {
+  if (options.parameterisation != Parameterisation::kFree || piece.chart.triangles.size() == 1) return;
+  takeIfValid(piece, minimiseDistortion(piece.chart, piece.plane), options);
 }
 
 void straightenTeeth(FlatPiece& piece, const FlatteningOptions& options) {
   if (options.parameterisation != Parameterisation::kFree || !(options.straightness > 0) ||
       piece.chart.triangles.size() == 1)
     return;
-  FlatPiece straight = piece;
-  straight.plane = minimiseDistortion(piece.chart, piece.plane, {.straightness = options.straightness});
-  if (!isInjective(straight.chart, straight.plane)) return;
-  measure(straight);
-  if (isWithinStretch(straight, options)) piece = std::move(straight);
+  takeIfValid(piece, minimiseDistortion(piece.chart, piece.plane, {.straightness = options.straightness}),
+              options);
 }
 
 }  // namespace bakelight::atlas

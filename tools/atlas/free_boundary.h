@@ -15,8 +15,10 @@ struct FreeBoundaryOptions {
   // of area, where the start's border has teeth: draws them flat, as teeth cannot be packed tightly, at the
   // cost of some stretch there. Corners, arcs and straight lines are left alone.
   double straightness = 0;
-  double least_progress =
-      1e-4;  // stops when a step lowers the energy above that of an isometry by less, relatively
+  // Stops when a step lowers the energy above that of an isometry by less, relatively.
+  double least_progress = 1e-4;
+  // Not 0: stops as soon as the L² stretch is no more than this, or will hardly ever be.
+  double enough_l2 = 0;
 };
 
 // Orthographic; `normal` of unit length points to the viewer.

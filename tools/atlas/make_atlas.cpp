@@ -167,6 +167,10 @@ AtlasResult makeAtlas(const formats::TriangleMesh& mesh, const UserCuts& cuts, c
   charting.flattening.corner_places = cut(surface, cuts, report);
   watch.lap("surface");
   std::vector<FlatPiece> pieces = makeCharts(surface, charting, report.charting);
+  if (report.charting.is_merging_cut_short)
+    report.warnings.push_back("charts were merged as long as the work on it was bounded (" +
+                              std::to_string(report.charting.triangles_tried) +
+                              " triangles laid flat): fewer charts may be possible");
   watch.lap("charts");
   while (true) {
     const Packing packing = packed(pieces, options, file);

@@ -162,7 +162,7 @@ TEST(StraightenTeeth, DrawsThemFlatAndLeavesCornersAndStraightLines) {
   FlatteningOptions options;
   options.max_stretch = 1.1;
   options.straightness = 5;
-  const FlatPiece before = *flatten(surface, all, options);
+  const FlatPiece before = flatten(surface, all, options).piece.value();
   EXPECT_NEAR(before.stretch.l2(), 1, 1e-9);
   FlatPiece after = before;
   straightenTeeth(after, options);
@@ -199,7 +199,7 @@ TEST(StraightenTeeth, LeavesRectanglesAlone) {
   FlatteningOptions options;
   options.max_stretch = 2;
   options.straightness = 50;
-  FlatPiece piece = *flatten(surface, all, options);
+  FlatPiece piece = flatten(surface, all, options).piece.value();
   straightenTeeth(piece, options);
   EXPECT_NEAR(piece.stretch.l2(), 1, 1e-9);
 }
