@@ -4,10 +4,11 @@ BUILD    ?= build
 PRESET   ?= release
 OUT      ?= out
 ASSETS   ?= configs/assets/bunny
+DIR      ?=
 RUN_ARGS ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help packages configure build tools assets pipeline report play test test-asan test-tsan bench bench-atlas pictures validate golden-update \
+.PHONY: help packages configure build tools assets pipeline report play test test-asan test-tsan bench bench-atlas bench-large corpus pictures validate golden-update \
         lint format clean
 
 help: ## List the targets
@@ -59,6 +60,14 @@ bench: build assets ## Run the benchmarks: figures as ratios against a rival or 
 bench-atlas: build assets ## Our atlas of the bunny beside xatlas's, both judged by the same figures
 	@scripts/system-packages validate
 	@BAKELIGHT_BENCH_XATLAS=scripts/run-xatlas $(BUILD)/bin/bench_atlas
+
+bench-large: tools ## A million triangles through atlas and the recipe prt, beside their goals (minutes)
+	@cmake --build $(BUILD) --target rippled_ball
+	@scripts/bench-large --build $(BUILD) $(RUN_ARGS)
+
+corpus: tools ## Every mesh of a folder through the recipes prt and atlas: make corpus DIR=folder
+	@test -n "$(DIR)" || { echo "usage: make corpus DIR=folder [RUN_ARGS='--limit 300 --keep out/failed']"; exit 1; }
+	@scripts/corpus "$(DIR)" --bin $(BUILD)/bin --json $(OUT)/corpus.json $(RUN_ARGS)
 
 validate: pipeline ## Check the pack with the Khronos glTF validator and assimp
 	@scripts/system-packages validate

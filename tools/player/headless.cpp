@@ -3,8 +3,8 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
+#include <vector>
 
 #include "tools/player/gl_context.h"
 #include "tools/player/renderer.h"
@@ -12,15 +12,23 @@
 namespace bakelight::player {
 namespace {
 
+constexpr std::size_t kFewest = 3, kMost = 9;
+constexpr double kEnough_ms = 1000;
+
+// Runs `work` until enough is known of its time: a GPU's frames vary more than a software renderer's, which
+// take so long that a few will do.
 template <class Work>
 Times_ms timesOf(const Work& work) {
-  std::array<double, 9> times{};
-  for (double& time : times) {
+  std::vector<double> times;
+  double spent = 0;
+  while (times.size() < kFewest || (times.size() < kMost && spent < kEnough_ms)) {
     glFinish();
     const auto start = std::chrono::steady_clock::now();
     work();
     glFinish();
-    time = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    times.push_back(
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    spent += times.back();
   }
   std::ranges::sort(times);
   return {times[times.size() / 2], times[times.size() / 4], times[3 * times.size() / 4]};

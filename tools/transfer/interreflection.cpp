@@ -77,35 +77,37 @@ void scale(TransferField& a, std::span<const double> factor) {
   });
 }
 
-// One bounce.
+// One bounce. Keeps the exit radiance between bounces, as a fresh table costs more to map than to fill.
 class Bounce {
  public:
   Bounce(const FormFactors& factors, std::span<const Float3> reflectance,
          std::span<const std::uint8_t> channel_of_column, const BuriedFill& fill)
-      : factors_(factors), reflectance_(reflectance), channel_of_column_(channel_of_column), fill_(fill) {}
+      : factors_(factors),
+        reflectance_(reflectance),
+        channel_of_column_(channel_of_column),
+        fill_(fill),
+        exit_(factors.pointCount(), channel_of_column.size()) {}
 
-  TransferField apply(const TransferField& x) const {
-    TransferField exit = x;
-    fill_.apply(exit.values, exit.row_size);
-    TransferField gathered(x.pointCount(), x.columns);
-    forChunks(x.pointCount(), [&](std::size_t, std::size_t first, std::size_t end) {
-      for (std::size_t p = first; p < end; ++p) {
-        const auto row = exit.row(p);
-        for (std::size_t c = 0; c < row.size(); ++c) row[c] *= reflectance_[p][channel_of_column_[c]];
-      }
-    });
+  // `gathered` has the shape of `x` and is another table.
+  void apply(const TransferField& x, TransferField& gathered) {
+    if (fill_.filledVertices() == 0) {
+      reflect(x);
+    } else {
+      exit_.values = x.values;
+      fill_.apply(exit_.values, exit_.row_size);
+      reflect(exit_);
+    }
     forChunks(x.pointCount(), [&](std::size_t, std::size_t first, std::size_t end) {
       std::vector<double> sums(x.row_size);
       for (std::size_t p = first; p < end; ++p) {
         const std::uint64_t begin = factors_.row_begin[p], count = factors_.row_begin[p + 1] - begin;
         std::fill(sums.begin(), sums.end(), 0.0);
-        accumulateRows(exit.values.data(), exit.row_size, std::span(factors_.columns).subspan(begin, count),
+        accumulateRows(exit_.values.data(), exit_.row_size, std::span(factors_.columns).subspan(begin, count),
                        std::span(factors_.weights).subspan(begin, count), sums);
         const auto row = gathered.row(p);
         for (std::size_t c = 0; c < row.size(); ++c) row[c] = static_cast<float>(sums[c]);
       }
     });
-    return gathered;
   }
 
   double largestReturn() const {
@@ -122,10 +124,22 @@ class Bounce {
   }
 
  private:
+  // exit_ = ρ x; x may be exit_ itself.
+  void reflect(const TransferField& x) {
+    forChunks(x.pointCount(), [&](std::size_t, std::size_t first, std::size_t end) {
+      for (std::size_t p = first; p < end; ++p) {
+        const auto from = x.row(p);
+        const auto to = exit_.row(p);
+        for (std::size_t c = 0; c < to.size(); ++c) to[c] = from[c] * reflectance_[p][channel_of_column_[c]];
+      }
+    });
+  }
+
   const FormFactors& factors_;
   std::span<const Float3> reflectance_;
   std::span<const std::uint8_t> channel_of_column_;
   const BuriedFill& fill_;
+  TransferField exit_;
 };
 
 std::vector<double> inverted(std::vector<double> values) {
@@ -142,7 +156,8 @@ std::vector<double> roots(std::vector<double> values) {
 class Gmres {
  public:
   // Starts from `residual`, what the present x lacks: (1 − F ρ) correction = residual.
-  Gmres(const Bounce& bounce, TransferField residual) : bounce_(bounce), columns_(residual.columns) {
+  Gmres(Bounce& bounce, TransferField residual)
+      : bounce_(bounce), columns_(residual.columns), bounced_(residual.pointCount(), residual.columns) {
     beta_ = roots(dots(residual, residual));
     scale(residual, inverted(beta_));
     for (const double beta : beta_) right_.push_back({beta});
@@ -153,8 +168,8 @@ class Gmres {
   // One more pass; the norm of the residual that is left then.
   double step() {
     TransferField next = basis_.back();
-    const TransferField bounced = bounce_.apply(basis_.back());
-    addScaled(next, std::vector<double>(columns_, -1.0), bounced);
+    bounce_.apply(basis_.back(), bounced_);
+    addScaled(next, std::vector<double>(columns_, -1.0), bounced_);
     std::vector<std::vector<double>> heights;
     for (const TransferField& vector : basis_) {
       std::vector<double> projection = dots(next, vector);
@@ -213,8 +228,9 @@ class Gmres {
     return right_[c].back() * right_[c].back();
   }
 
-  const Bounce& bounce_;
+  Bounce& bounce_;
   std::size_t columns_;
+  TransferField bounced_;
   std::vector<TransferField> basis_;
   std::vector<double> beta_;
   std::vector<std::vector<double>> right_, cosines_, sines_;  // by column
@@ -222,8 +238,9 @@ class Gmres {
 };
 
 // x0 + F ρ x − x.
-TransferField residualOf(const Bounce& bounce, const TransferField& x0, const TransferField& x) {
-  TransferField residual = bounce.apply(x);
+TransferField residualOf(Bounce& bounce, const TransferField& x0, const TransferField& x) {
+  TransferField residual(x.pointCount(), x.columns);
+  bounce.apply(x, residual);
   add(residual, x0);
   addScaled(residual, std::vector<double>(x.columns, -1.0), x);
   return residual;
@@ -238,7 +255,7 @@ InterreflectionReport solveInterreflection(const FormFactors& factors, std::span
                                            std::span<const std::uint8_t> channel_of_column,
                                            const BuriedFill& fill, const InterreflectionOptions& options,
                                            TransferField& x) {
-  const Bounce bounce(factors, reflectance, channel_of_column, fill);
+  Bounce bounce(factors, reflectance, channel_of_column, fill);
   InterreflectionReport report;
   report.largest_return = bounce.largestReturn();
   // A closed white cavity gives every share back; there the bound says nothing and the passes decide.
@@ -252,24 +269,26 @@ InterreflectionReport solveInterreflection(const FormFactors& factors, std::span
   };
   if (initial == 0) return report;
 
-  // Plain bounces.
   const TransferField x0 = x;
-  TransferField last = x;
   bool slow = false;
-  do {
-    last = bounce.apply(last);
-    add(x, last);
-    const double added = norm(last);
-    report.added_energy.push_back(added / initial);
-    report.error_bound = bound(added * std::min(report.largest_return, 1.0));
-    const std::size_t passes = report.added_energy.size();
-    if (options.bounces == 0 && passes >= 2) {
-      const double ratio = report.added_energy[passes - 1] / report.added_energy[passes - 2];
-      const double further =
-          ratio < 1 ? std::log(options.threshold / report.error_bound) / std::log(ratio) : 1e9;
-      slow = further > kFewPasses;
-    }
-  } while (!done() && !slow);
+  {  // Plain bounces.
+    TransferField last = x, next(x.pointCount(), x.columns);
+    do {
+      bounce.apply(last, next);
+      std::swap(last, next);
+      add(x, last);
+      const double added = norm(last);
+      report.added_energy.push_back(added / initial);
+      report.error_bound = bound(added * std::min(report.largest_return, 1.0));
+      const std::size_t passes = report.added_energy.size();
+      if (options.bounces == 0 && passes >= 2) {
+        const double ratio = report.added_energy[passes - 1] / report.added_energy[passes - 2];
+        const double further =
+            ratio < 1 ? std::log(options.threshold / report.error_bound) / std::log(ratio) : 1e9;
+        slow = further > kFewPasses;
+      }
+    } while (!done() && !slow);
+  }
 
   const std::size_t field_bytes = x.values.size() * sizeof(float);
   const std::size_t longest = std::clamp<std::size_t>(kKrylovBytes / field_bytes, 4, kLongestKrylov);

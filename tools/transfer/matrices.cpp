@@ -29,7 +29,7 @@ void MatrixBaker::turnRows(const Eigen::Matrix3d& local_from_object, std::span<f
 void addBouncedLight(const ShadowPass& pass, const SurfacePoint& point, const std::vector<bool>& blocked_rays,
                      const TransferField& exit, std::span<const formats::Triangle> sides_from_behind,
                      std::span<const std::uint32_t> row_of_side, int channels, int row_order, int order,
-                     ShadowPass::Workspace& work, std::span<float> matrices) {
+                     double share, ShadowPass::Workspace& work, std::span<float> matrices) {
   const int rows = transport::coefficientCount(row_order), columns = transport::coefficientCount(order);
   const int width = channels * columns;
   pass.findHits(point, blocked_rays, work);
@@ -63,7 +63,7 @@ void addBouncedLight(const ShadowPass& pass, const SurfacePoint& point, const st
     if (++filled == kBlock) flush();
   }
   flush();
-  const auto weight = static_cast<float>(pass.quadrature().weight());
+  const auto weight = static_cast<float>(share * pass.quadrature().weight());
   for (int c = 0; c < channels; ++c)
     Eigen::Map<RowMajor>(matrices.data() + static_cast<std::ptrdiff_t>(c) * rows * columns, rows, columns) +=
         weight * sum.middleCols(static_cast<Eigen::Index>(c) * columns, columns);

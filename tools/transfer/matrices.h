@@ -32,11 +32,11 @@ class MatrixBaker {
 // What a point's blocked directions (ShadowPass::findHits) send back: matrix_ij += Σ_k weight y_i(s_k)
 // B_j(k), B the exit radiance of the surface at the hit, interpolated from `exit`, whose columns begin with
 // channels × order² of distant light; a row a side of the vertices, `row_of_side` tells which (or kDarkSide).
-// Object frame; `matrices` is channels × row_order² × order². Cost: hits × row_order² × channels × order²
-// multiply-adds, beside the rays.
+// Times `share`, of points that share a vertex. Object frame; `matrices` is channels × row_order² × order².
+// Cost: hits × row_order² × channels × order² multiply-adds, beside the rays.
 void addBouncedLight(const ShadowPass& pass, const SurfacePoint& point, const std::vector<bool>& blocked_rays,
                      const TransferField& exit, std::span<const formats::Triangle> sides_from_behind,
                      std::span<const std::uint32_t> row_of_side, int channels, int row_order, int order,
-                     ShadowPass::Workspace& work, std::span<float> matrices);
+                     double share, ShadowPass::Workspace& work, std::span<float> matrices);
 
 }  // namespace bakelight::transfer

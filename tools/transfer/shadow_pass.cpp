@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "tools/transfer/buried.h"
+#include "tools/transfer/outliers.h"
 #include "transport/sh.h"
 
 namespace bakelight::transfer {
@@ -16,20 +17,20 @@ using transport::vec3;
 ShadowPass::Workspace::Workspace(const ShadowPass& pass)
     : hemisphere(pass.quadrature().size()),
       blocked(pass.quadrature().size()),
-      blocked_rays(pass.quadrature().size()),
-      hits(pass.quadrature().size()),
+      blocked_rays(pass.options_.record_hits ? pass.quadrature().size() : 0),
+      hits(pass.options_.record_hits ? pass.quadrature().size() : 0),
       ones(pass.quadrature().size(), 1.0f),
       all_sums(pass.quadrature().rowSize()),
       blocked_sums(pass.quadrature().rowSize()),
-      seen_weights(2 * pass.mesh().vertexCount(), 0.0f) {}
+      seen_weights(pass.options_.record_hits ? 2 * pass.mesh().vertexCount() : 0, 0.0f) {}
 
 ShadowPass::ShadowPass(const formats::TriangleMesh& mesh, const transport::RayScene& scene,
                        const ShadowOptions& options, int directions)
     : mesh_(mesh),
       scene_(scene),
       options_(options),
-      quadrature_(std::max(options.order, options.visibility_order), directions),
-      cosine_factors_(transport::clampedCosineFactors(options.order)) {
+      quadrature_(std::max({options.order, options.visibility_order, kJudgedOrder}), directions),
+      cosine_factors_(transport::clampedCosineFactors(std::max(options.order, kJudgedOrder))) {
   if (options.visibility_order > 0)
     hemisphere_zonal_ = transport::diskLightZonal(options.visibility_order, std::numbers::pi / 2);
 }
@@ -41,17 +42,19 @@ PointFigures ShadowPass::trace(const SurfacePoint& point,
   hemisphere.collect(quadrature_, point.normal);
   scene_.occluded(point.origin, hemisphere.rays, 0, std::span(work.blocked).first(hemisphere.count));
   listBlocked(work);
+  work.sees_light = hemisphere.count == 0 || work.blocked_directions.size() < hemisphere.count;
+  if (options_.record_hits) {
+    traceBlocked(point, work);
+    letGrazingRaysPass(work);
+  }
 
   PointFigures figures;
   figures.rays = static_cast<std::uint32_t>(hemisphere.count);
-  figures.blocked = static_cast<std::uint32_t>(work.blocked_directions.size());
+  figures.blocked =
+      work.sees_light ? static_cast<std::uint32_t>(work.blocked_directions.size()) : figures.rays;
   combine(point, result, work, figures);
-  figures.buried =
-      figures.rays > 0 && figures.blocked == figures.rays && isBuried(scene_, point.origin, point.normal);
-  if (options_.record_hits && !figures.buried) {
-    traceBlocked(point, work);
-    figures.seen = collectSeen(sides_from_behind, work, figures);
-  }
+  figures.buried = figures.rays > 0 && !work.sees_light && isBuried(scene_, point.origin, point.normal);
+  if (options_.record_hits && !figures.buried) figures.seen = collectSeen(sides_from_behind, work, figures);
   if (options_.keep_blocked)
     figures.blocked_rays.assign(work.blocked.begin(),
                                 work.blocked.begin() + static_cast<std::ptrdiff_t>(hemisphere.count));
@@ -107,13 +110,15 @@ void ShadowPass::findHits(const SurfacePoint& point, const std::vector<bool>& bl
 // Puts closed form and quadrature together.
 void ShadowPass::combine(const SurfacePoint& point, const PointTransfer& result, Workspace& work,
                          PointFigures& figures) const {
-  const std::size_t count = transport::coefficientCount(options_.order);
+  const std::size_t count = result.vector.size();
   std::array<double, transport::coefficientCount(transport::kMaxOrder)> exact, difference;
-  transport::evaluateSh(options_.order, vec3(point.normal), std::span(exact).first(count));
-  for (int l = 0; l < options_.order; ++l)
+  const auto bands = static_cast<int>(cosine_factors_.size());
+  transport::evaluateSh(bands, vec3(point.normal),
+                        std::span(exact).first(transport::coefficientCount(bands)));
+  for (int l = 0; l * l < static_cast<int>(count); ++l)
     for (int i = l * l; i < (l + 1) * (l + 1); ++i) exact[i] *= cosine_factors_[l] / std::numbers::pi;
 
-  if (work.blocked_directions.empty()) {
+  if (work.sees_light && work.blocked_directions.empty()) {
     std::copy_n(exact.begin(), count, result.vector.begin());
   } else {
     std::fill(work.all_sums.begin(), work.all_sums.end(), 0.0);
@@ -121,15 +126,14 @@ void ShadowPass::combine(const SurfacePoint& point, const PointTransfer& result,
     quadrature_.accumulate(work.hemisphere.usedDirections(), work.hemisphere.usedCosines(), count,
                            work.all_sums);
     quadrature_.accumulate(work.blocked_directions, work.blocked_cosines, count, work.blocked_sums);
-    const bool sees_light = work.blocked_directions.size() < work.hemisphere.count;
     // Coefficient 0 is constant, so its sums are the cosine-weighted counts.
-    const double visible = sees_light ? 1 - work.blocked_sums[0] / work.all_sums[0] : 0;
+    const double visible = work.sees_light ? 1 - work.blocked_sums[0] / work.all_sums[0] : 0;
     const double weight = quadrature_.weight() / std::numbers::pi;
     double error = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const double all = weight * work.all_sums[i], blocked = weight * work.blocked_sums[i];
       result.vector[i] =
-          sees_light ? static_cast<float>(visible * exact[i] + (1 - visible) * all - blocked) : 0.0f;
+          work.sees_light ? static_cast<float>(visible * exact[i] + (1 - visible) * all - blocked) : 0.0f;
       error = std::max(error, std::abs(all - exact[i]));
     }
     figures.quadrature_error = static_cast<float>(error);
@@ -137,8 +141,9 @@ void ShadowPass::combine(const SurfacePoint& point, const PointTransfer& result,
   if (options_.sphere) {
     listVisible(work);
     nearFieldDifference(*options_.sphere, vec3(point.origin), options_.order, quadrature_,
-                        work.visible_directions, work.visible_cosines, std::span(difference).first(count));
-    for (std::size_t i = 0; i < count; ++i)
+                        work.visible_directions, work.visible_cosines,
+                        std::span(difference).first(result.near_vector.size()));
+    for (std::size_t i = 0; i < result.near_vector.size(); ++i)
       result.near_vector[i] = static_cast<float>(result.vector[i] + difference[i]);
   }
   if (options_.visibility_order > 0) combineVisibility(point, result.visibility, work);
@@ -161,16 +166,17 @@ void ShadowPass::combineVisibility(const SurfacePoint& point, std::span<float> v
     visibility[i] = static_cast<float>(open[i] + weight * work.blocked_sums[i]);
 }
 
-// Cosine-weighted shares of the hemisphere, normalised over the directions that were traced: blocked and
-// visible share add up to one, so no light is made or lost however often it bounces.
+// Cosine-weighted shares of the hemisphere, normalised over the directions that were traced. Each blocked one
+// has a hit, so blocked and visible share add up to one: no light is made or lost however often it bounces.
 std::vector<SeenVertex> ShadowPass::collectSeen(std::span<const formats::Triangle> sides_from_behind,
                                                 Workspace& work, PointFigures& figures) const {
+  const std::span<const float> traced =
+      work.sees_light ? work.hemisphere.usedCosines() : std::span<const float>(work.blocked_cosines);
   double cosine_sum = 0;
-  for (const float cosine : work.hemisphere.usedCosines()) cosine_sum += cosine;
+  for (const float cosine : traced) cosine_sum += cosine;
   const auto scale = static_cast<float>(1 / cosine_sum);
   work.seen_sides.clear();
   for (std::size_t k = 0; k < work.blocked_directions.size(); ++k) {
-    if (work.hits.blocked[k] == 0) continue;  // grazed an edge that the other query took
     const std::uint32_t triangle = work.hits.triangle[k];
     const formats::Triangle& corners =
         work.hits.back_face[k] != 0 ? sides_from_behind[triangle] : mesh_.triangles[triangle];
@@ -195,6 +201,27 @@ std::vector<SeenVertex> ShadowPass::collectSeen(std::span<const formats::Triangl
     work.seen_weights[side] = 0;
   }
   return seen;
+}
+
+void letGrazingRaysPass(ShadowPass::Workspace& work) {
+  transport::HitBundle& hits = work.hits;
+  std::size_t end = 0, direction = 0;
+  for (std::size_t k = 0; k < work.blocked_directions.size(); ++k) {
+    while (work.hemisphere.directions[direction] != work.blocked_directions[k]) ++direction;
+    if (hits.blocked[k] == 0) {
+      if (work.sees_light) work.blocked[direction] = 0;
+      continue;
+    }
+    work.blocked_directions[end] = work.blocked_directions[k];
+    work.blocked_cosines[end] = work.blocked_cosines[k];
+    hits.blocked[end] = 1;
+    hits.back_face[end] = hits.back_face[k];
+    hits.triangle[end] = hits.triangle[k];
+    hits.u[end] = hits.u[k], hits.v[end] = hits.v[k], hits.distance[end] = hits.distance[k];
+    ++end;
+  }
+  work.blocked_directions.resize(end);
+  work.blocked_cosines.resize(end);
 }
 
 }  // namespace bakelight::transfer

@@ -37,7 +37,8 @@ struct PointFigures {
   std::vector<bool> blocked_rays;  // of the hemisphere's directions, in their order
 };
 struct PointTransfer {
-  std::span<float> vector, near_vector, visibility;
+  std::span<float> vector;  // as many bands as it has room for, at most the options' or kJudgedOrder
+  std::span<float> near_vector, visibility;
 };
 
 class ShadowPass {
@@ -76,12 +77,14 @@ class ShadowPass {
   std::vector<double> cosine_factors_, hemisphere_zonal_;
 };
 
-// What one thread reuses from point to point.
+// What one thread reuses from point to point. Memory: some 100 bytes a direction, and, only where hits are
+// recorded, 8 bytes a vertex.
 struct ShadowPass::Workspace {
   explicit Workspace(const ShadowPass& pass);
 
   Hemisphere hemisphere;
   std::vector<std::uint8_t> blocked;  // of the hemisphere's directions
+  bool sees_light = false;            // not all of them are
   transport::RayBundle blocked_rays;  // the first blocked_directions.size() of them count
   transport::HitBundle hits;          // likewise
   // The hemisphere's directions parted in two. What is visible is listed only where it is summed up itself.
@@ -91,5 +94,11 @@ struct ShadowPass::Workspace {
   std::vector<float> seen_weights;  // a side; zero between points
   std::vector<std::uint32_t> seen_sides;
 };
+
+// Two queries of the ray tracer may differ about a ray that grazes an edge: one says that it is blocked, the
+// other finds no hit. Such a ray passes; at a point that sees no light it counts as not traced, as nothing
+// must shine into a closed cavity. Takes them out of the lists of what is blocked, so that each entry has a
+// hit.
+void letGrazingRaysPass(ShadowPass::Workspace& work);
 
 }  // namespace bakelight::transfer

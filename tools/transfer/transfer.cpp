@@ -1,6 +1,7 @@
 #include "tools/transfer/transfer.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -11,8 +12,10 @@
 #include <stdexcept>
 
 #include "formats/error.h"
+#include "tools/transfer/area_transfer.h"
 #include "tools/transfer/buried.h"
 #include "tools/transfer/matrices.h"
+#include "tools/transfer/outliers.h"
 #include "tools/transfer/shadow_pass.h"
 #include "tools/transfer/surface_points.h"
 #include "transport/camera.h"
@@ -29,6 +32,7 @@ using transport::vec3;
 namespace {
 
 constexpr std::size_t kPointsPerTask = 64;
+constexpr int kSamplesPerArea = 16;
 using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) {
@@ -38,6 +42,9 @@ double secondsSince(Clock::time_point start) {
 bool isGray(const Float3& color) {
   return color[0] == color[1] && color[1] == color[2];
 }
+
+// One a thread.
+using Workspaces = tbb::enumerable_thread_specific<ShadowPass::Workspace>;
 
 // What the several passes of one bake share.
 class Baker {
@@ -80,12 +87,13 @@ class Baker {
       const ShadowOptions shadow{options_.order, visibilityOrder(), sphere(), interreflected,
                                  interreflected && options_.glossy == Glossy::kMatrices};
       const ShadowPass pass(mesh_, scene, shadow, options_.directions);
+      Workspaces workspaces([&] { return ShadowPass::Workspace(pass); });
       const auto start = Clock::now();
-      traceFronts(pass);
+      traceFronts(pass, workspaces);
       result_.shadow_s = secondsSince(start);
-      if (interreflected) bounce(pass);
+      if (interreflected) bounce(pass, workspaces);
       finishVectors();
-      if (options_.glossy == Glossy::kMatrices) bakeMatrices(pass);
+      if (options_.glossy == Glossy::kMatrices) bakeMatrices(pass, workspaces);
     }
     if (options_.glossy != Glossy::kNone) result_.tangents = vertexTangents(mesh_);
     return std::move(result_);
@@ -103,35 +111,38 @@ class Baker {
 
   // Runs body(point index, workspace) over [first, points_.size()).
   template <class Body>
-  void forPoints(const ShadowPass& pass, std::size_t first, const Body& body) {
+  void forPoints(Workspaces& workspaces, std::size_t first, const Body& body) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(first, points_.size(), kPointsPerTask),
                       [&](const auto& range) {
-                        ShadowPass::Workspace work(pass);
+                        ShadowPass::Workspace& work = workspaces.local();
                         for (std::size_t p = range.begin(); p < range.end(); ++p) body(p, work);
                         if (range.begin() < vertex_count_) progress_.advance(range.size());
                       });
   }
 
-  // Traces points_ from `first` on; grows the tables to hold them.
-  void tracePoints(const ShadowPass& pass, std::size_t first) {
-    result_.vectors.resize(points_.size() * coefficients_);
+  static std::span<float> rowOf(std::vector<float>& table, std::size_t point, std::size_t size) {
+    return table.empty() ? std::span<float>() : std::span(table).subspan(point * size, size);
+  }
+
+  // Traces points_ from `first` on; grows the tables to hold them, with rows of `vector_size` in
+  // result_.vectors.
+  void tracePoints(const ShadowPass& pass, Workspaces& workspaces, std::size_t first,
+                   std::size_t vector_size) {
+    result_.vectors.resize(points_.size() * vector_size);
     if (sphere()) result_.near_vectors.resize(points_.size() * coefficients_);
     result_.visibility.resize(points_.size() * visibilitySize());
     figures_.resize(points_.size());
-    const auto rowOf = [](std::vector<float>& table, std::size_t point, std::size_t size) {
-      return table.empty() ? std::span<float>() : std::span(table).subspan(point * size, size);
-    };
-    forPoints(pass, first, [&](std::size_t p, ShadowPass::Workspace& work) {
-      const PointTransfer transfer = {rowOf(result_.vectors, p, coefficients_),
+    forPoints(workspaces, first, [&](std::size_t p, ShadowPass::Workspace& work) {
+      const PointTransfer transfer = {rowOf(result_.vectors, p, vector_size),
                                       rowOf(result_.near_vectors, p, coefficients_),
                                       rowOf(result_.visibility, p, visibilitySize())};
       figures_[p] = pass.trace(points_[p], sides_from_behind_, transfer, work);
     });
   }
 
-  void traceFronts(const ShadowPass& pass) {
+  void traceFronts(const ShadowPass& pass, Workspaces& workspaces) {
     sides_from_behind_ = sidesFromBehind(mesh_);
-    tracePoints(pass, 0);
+    tracePoints(pass, workspaces, 0, judgedSize());
     std::vector<std::uint8_t> buried;
     for (const PointFigures& point : figures_) {
       buried.push_back(point.buried ? 1 : 0);
@@ -142,12 +153,61 @@ class Baker {
       result_.fully_blocked_vertices += point.rays > 0 && point.blocked == point.rays ? 1 : 0;
       result_.quadrature_error = std::max<double>(result_.quadrature_error, point.quadrature_error);
     }
+    resampleOutliers(pass, workspaces, buried);
+    dropJudgedBands();
     fill_ = BuriedFill(mesh_, buried);
     result_.filled_vertices = fill_.filledVertices();
   }
 
+  // Coefficients of a vector while outliers are looked for.
+  std::size_t judgedSize() const {
+    return std::max<std::size_t>(coefficients_, coefficientCount(kJudgedOrder));
+  }
+  void dropJudgedBands() {
+    const std::size_t size = judgedSize();
+    if (size == coefficients_) return;
+    for (std::size_t v = 1; v < vertex_count_; ++v)
+      std::copy_n(&result_.vectors[v * size], coefficients_, &result_.vectors[v * coefficients_]);
+    result_.vectors.resize(vertex_count_ * coefficients_);
+  }
+
+  void resampleOutliers(const ShadowPass& pass, Workspaces& workspaces,
+                        std::span<const std::uint8_t> buried) {
+    const IncidentTriangles incident(mesh_);
+    const OutlierJudge judge(mesh_, incident, result_.vectors, judgedSize(), buried);
+    std::vector<std::uint32_t> outliers = judge.outliers();
+    result_.outlying_vertices = outliers.size();
+    const auto most =
+        static_cast<std::size_t>(kResamplingShare / kSamplesPerArea * static_cast<double>(vertex_count_));
+    outliers.resize(std::min(outliers.size(), most));
+
+    const float offset = surfaceOffset(mesh_, options_.bias);
+    const RowSizes sizes = {judgedSize(), sphere() ? coefficients_ : 0, visibilitySize()};
+    std::vector<AreaTransfer> areas(outliers.size());
+    tbb::parallel_for(std::size_t{0}, outliers.size(), [&](std::size_t i) {
+      areas[i] = traceArea(pass, hatSamples(mesh_, incident, outliers[i], offset, kSamplesPerArea),
+                           sides_from_behind_, sizes, workspaces.local());
+    });
+    // All are judged by what the points say, before any is replaced.
+    for (std::size_t i = 0; i < outliers.size(); ++i) {
+      const std::uint32_t v = outliers[i];
+      if (!areas[i].points.empty() && judge.standsAlone(v, areas[i].vectors) &&
+          judge.score(v, areas[i].vector) < judge.score(v, rowOf(result_.vectors, v, sizes.vector)))
+        areas_.emplace(v, std::move(areas[i]));
+    }
+    for (auto& [v, area] : areas_) {
+      std::copy(area.vector.begin(), area.vector.end(), rowOf(result_.vectors, v, sizes.vector).begin());
+      std::copy(area.near_vector.begin(), area.near_vector.end(),
+                rowOf(result_.near_vectors, v, sizes.near_vector).begin());
+      std::copy(area.visibility.begin(), area.visibility.end(),
+                rowOf(result_.visibility, v, sizes.visibility).begin());
+      figures_[v].seen = std::move(area.seen);
+    }
+    result_.resampled_vertices = areas_.size();
+  }
+
   // Traces the back sides that are seen, and those that these see, until no new one turns up.
-  void traceBacks(const ShadowPass& pass) {
+  void traceBacks(const ShadowPass& pass, Workspaces& workspaces) {
     row_of_side_.assign(2 * vertex_count_, kDarkSide);
     std::iota(row_of_side_.begin(), row_of_side_.begin() + static_cast<std::ptrdiff_t>(vertex_count_), 0u);
     for (std::size_t first = 0; first < points_.size();) {
@@ -164,13 +224,17 @@ class Baker {
         points_.push_back(backPoint(mesh_, points_[vertex], vertex));
         albedo_.push_back(Float3(albedo_[vertex]));
       }
-      if (!wanted.empty()) tracePoints(pass, first);
+      if (!wanted.empty()) tracePoints(pass, workspaces, first, coefficients_);
     }
     result_.back_points = points_.size() - vertex_count_;
   }
 
   FormFactors formFactors() {
     FormFactors factors;
+    std::size_t count = 0;
+    for (const PointFigures& point : figures_) count += point.seen.size();
+    factors.columns.reserve(count);
+    factors.weights.reserve(count);
     for (PointFigures& point : figures_) {
       for (const SeenVertex& seen : point.seen) {
         factors.columns.push_back(row_of_side_[seen.side]);
@@ -200,9 +264,9 @@ class Baker {
     return field;
   }
 
-  void bounce(const ShadowPass& pass) {
+  void bounce(const ShadowPass& pass, Workspaces& workspaces) {
     const auto start = Clock::now();
-    traceBacks(pass);
+    traceBacks(pass, workspaces);
     const FormFactors factors = formFactors();
     std::vector<std::uint8_t> channel_of_column;
     TransferField field = directField(channel_of_column);
@@ -233,7 +297,7 @@ class Baker {
     if (options_.glossy != Glossy::kNone) fill_.apply(result_.visibility, visibilitySize());
   }
 
-  void bakeMatrices(const ShadowPass& pass) {
+  void bakeMatrices(const ShadowPass& pass, Workspaces& workspaces) {
     const auto start = Clock::now();
     const MatrixBaker baker(options_.row_order, options_.order);
     const std::vector<formats::Float4> tangents = vertexTangents(mesh_);
@@ -243,26 +307,36 @@ class Baker {
     const auto channel = [&](std::size_t v, int c) {
       return std::span(result_.matrices).subspan(v * width + c * size, size);
     };
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, vertex_count_, kPointsPerTask), [&](const auto& range) {
-          std::optional<ShadowPass::Workspace> work;
-          if (exit_) work.emplace(pass);
-          for (std::size_t v = range.begin(); v < range.end(); ++v) {
-            for (int c = 0; c < result_.channels; ++c)
-              baker.fromVisibility(
-                  std::span(result_.visibility).subspan(v * visibilitySize(), visibilitySize()),
-                  channel(v, c));
-            if (exit_ && !figures_[v].buried)
-              addBouncedLight(pass, points_[v], figures_[v].blocked_rays, *exit_, sides_from_behind_,
-                              row_of_side_, result_.channels, options_.row_order, options_.order, *work,
-                              std::span(result_.matrices).subspan(v * width, width));
-          }
-        });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertex_count_, kPointsPerTask),
+                      [&](const auto& range) {
+                        for (std::size_t v = range.begin(); v < range.end(); ++v) {
+                          for (int c = 0; c < result_.channels; ++c)
+                            baker.fromVisibility(
+                                std::span(result_.visibility).subspan(v * visibilitySize(), visibilitySize()),
+                                channel(v, c));
+                          if (exit_ && !figures_[v].buried)
+                            addBounces(pass, static_cast<std::uint32_t>(v), workspaces.local(),
+                                       std::span(result_.matrices).subspan(v * width, width));
+                        }
+                      });
     // Neighbours lend buried vertices what they have in the object's frame, before each turns to its own.
     fill_.apply(result_.matrices, width);
     turnMatrices(baker, tangents);
     result_.visibility.clear();
     result_.matrices_s = secondsSince(start);
+  }
+
+  void addBounces(const ShadowPass& pass, std::uint32_t vertex, ShadowPass::Workspace& work,
+                  std::span<float> matrices) const {
+    const auto add = [&](const SurfacePoint& point, const std::vector<bool>& blocked_rays, double share) {
+      addBouncedLight(pass, point, blocked_rays, *exit_, sides_from_behind_, row_of_side_, result_.channels,
+                      options_.row_order, options_.order, share, work, matrices);
+    };
+    const auto area = areas_.find(vertex);
+    if (area == areas_.end()) return add(points_[vertex], figures_[vertex].blocked_rays, 1);
+    const std::vector<SurfacePoint>& points = area->second.points;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      add(points[i], area->second.blocked_rays[i], 1.0 / static_cast<double>(points.size()));
   }
 
   void turnMatrices(const MatrixBaker& baker, std::span<const formats::Float4> tangents) {
@@ -330,6 +404,7 @@ class Baker {
   std::vector<formats::Triangle> sides_from_behind_;
   std::vector<PointFigures> figures_;
   std::vector<std::uint32_t> row_of_side_;
+  AreaTransfers areas_;
   BuriedFill fill_;
   std::optional<TransferField> exit_;
   Transfer result_;

@@ -62,6 +62,9 @@ struct Transfer {
   std::uint64_t fully_blocked_vertices = 0;
   // Inside another part of the mesh (buried.h), and how many of them took over their neighbours' transfer.
   std::uint64_t buried_vertices = 0, filled_vertices = 0;
+  // Single vertices that stood out from their neighbours (outliers.h), and how many of them got the mean over
+  // their area instead: those that stood out from it, too, as far as kResamplingShare allows.
+  std::uint64_t outlying_vertices = 0, resampled_vertices = 0;
   // Largest |quadrature − closed form| of an unshadowed coefficient over the vertices that see blockers: how
   // far the given number of directions is from resolving the basis. The control variate takes this error out
   // of what is not blocked.
@@ -73,6 +76,9 @@ struct Transfer {
   std::uint64_t form_factors = 0;  // non-zeros
   double shadow_s = 0, interreflection_s = 0, matrices_s = 0;  // wall-clock seconds by step
 };
+
+// The most that area samples of outlying vertices may add to the rays; the worst vertices come first.
+inline constexpr double kResamplingShare = 0.05;
 
 // The mesh has unit normals; `albedo` is empty (white), one colour for all, or one a vertex, 0–1, and counts
 // for interreflection only. The quadrature is a fixed set of directions with the unshadowed closed form as a

@@ -182,6 +182,8 @@ void report(const formats::TriangleMesh& mesh, const TransferSettings& settings,
   run.stat("fully_blocked_vertices", baked.fully_blocked_vertices);
   run.stat("buried_vertices", baked.buried_vertices);
   run.stat("filled_vertices", baked.filled_vertices);
+  run.stat("outlying_vertices", baked.outlying_vertices);
+  run.stat("resampled_vertices", baked.resampled_vertices);
   run.stat("quadrature_error", baked.quadrature_error);
   if (settings.transport == "interreflected") reportInterreflection(settings, baked, run);
   if (settings.technique == "glossy") run.stat("matrices_s", baked.matrices_s);

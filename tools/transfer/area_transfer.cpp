@@ -1,0 +1,66 @@
+#include "tools/transfer/area_transfer.h"
+
+#include <algorithm>
+
+namespace bakelight::transfer {
+
+namespace {
+
+// Rows of several points, for their mean.
+class RowSum {
+ public:
+  explicit RowSum(std::size_t size) : row_(size), sum_(size, 0.0) {}
+  std::span<float> row() { return row_; }
+  void add() {
+    for (std::size_t i = 0; i < row_.size(); ++i) sum_[i] += row_[i];
+  }
+  std::vector<float> mean(std::size_t count) const {
+    std::vector<float> mean;
+    for (const double value : sum_) mean.push_back(static_cast<float>(value / static_cast<double>(count)));
+    return mean;
+  }
+
+ private:
+  std::vector<float> row_;
+  std::vector<double> sum_;
+};
+
+std::vector<SeenVertex> meanOf(std::vector<SeenVertex> seen, std::size_t count) {
+  std::stable_sort(seen.begin(), seen.end(),
+                   [](const SeenVertex& a, const SeenVertex& b) { return a.side < b.side; });
+  std::vector<SeenVertex> mean;
+  for (const SeenVertex& each : seen) {
+    if (mean.empty() || mean.back().side != each.side) mean.push_back({each.side, 0});
+    mean.back().weight += each.weight / static_cast<float>(count);
+  }
+  return mean;
+}
+
+}  // namespace
+
+AreaTransfer traceArea(const ShadowPass& pass, std::span<const SurfacePoint> points,
+                       std::span<const formats::Triangle> sides_from_behind, const RowSizes& sizes,
+                       ShadowPass::Workspace& work) {
+  AreaTransfer area;
+  RowSum vector(sizes.vector), near_vector(sizes.near_vector), visibility(sizes.visibility);
+  std::vector<SeenVertex> seen;
+  for (const SurfacePoint& point : points) {
+    PointFigures figures =
+        pass.trace(point, sides_from_behind, {vector.row(), near_vector.row(), visibility.row()}, work);
+    if (figures.buried) continue;
+    area.vectors.insert(area.vectors.end(), vector.row().begin(), vector.row().end());
+    vector.add(), near_vector.add(), visibility.add();
+    seen.insert(seen.end(), figures.seen.begin(), figures.seen.end());
+    area.points.push_back(point);
+    area.blocked_rays.push_back(std::move(figures.blocked_rays));
+  }
+  const std::size_t count = area.points.size();
+  if (count == 0) return area;
+  area.vector = vector.mean(count);
+  area.near_vector = near_vector.mean(count);
+  area.visibility = visibility.mean(count);
+  area.seen = meanOf(std::move(seen), count);
+  return area;
+}
+
+}  // namespace bakelight::transfer
