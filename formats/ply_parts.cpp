@@ -5,24 +5,13 @@
 
 #include "formats/error.h"
 #include "formats/ply_contents.h"
+#include "formats/ply_textures.h"
 #include "formats/polygon_mesh.h"
-#include "formats/text_scan.h"
 #include "formats/vertex_colors.h"
 
 namespace bakelight::formats {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr const char* kTextureComment = "TextureFile";  // MeshLab's
-
-std::vector<std::string> textureNames(const PlyHeader& header) {
-  std::vector<std::string> names;
-  for (const std::string& comment : header.comments) {
-    std::string_view rest = comment;
-    if (equalIgnoringCase(takeWord(rest), kTextureComment)) names.emplace_back(trimmed(rest));
-  }
-  return names;
-}
 
 class PlyAssembler {
  public:
@@ -148,21 +137,7 @@ MeshParts readPlyParts(std::span<const std::byte> bytes, const fs::path& file, c
   const PlyHeader header = readPlyHeader(bytes, file.string());
   PlyContents contents = readPlyContents(header, bytes, file.string());
   return PlyAssembler(header, std::move(contents), file.string())
-      .assemble(textureNames(header), file.parent_path(), files);
-}
-
-std::vector<fs::path> plyCompanions(std::span<const std::byte> bytes, const fs::path& file,
-                                    const FileLookup& files) {
-  std::vector<fs::path> result;
-  try {
-    for (const std::string& name : textureNames(readPlyHeader(bytes, file.string()))) {
-      const auto found = findNamedFile(files, file.parent_path(), name);
-      result.push_back(found ? found->path : plainPathOf(file.parent_path(), name));
-    }
-  } catch (const Error&) {
-    // The importer will say what is wrong with it.
-  }
-  return result;
+      .assemble(plyTextureNames(header), file.parent_path(), files);
 }
 
 }  // namespace bakelight::formats
