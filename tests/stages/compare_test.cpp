@@ -96,6 +96,26 @@ TEST(CompareMeshes, ColoursCount) {
   EXPECT_FALSE(compareMeshes(mesh, reference, {.maximum = 1}).passes());
 }
 
+TEST(CompareMeshes, MaterialsCount) {
+  TriangleMesh reference = stages::sphere(1);
+  for (std::uint32_t t = 0; t < reference.triangleCount(); ++t) reference.triangle_materials.push_back(t % 2);
+  reference.material_names = {"red", "blue"};
+  TriangleMesh mesh = reference;
+  EXPECT_TRUE(compareMeshes(mesh, reference, {}).passes());
+  std::swap(mesh.triangle_materials[2], mesh.triangle_materials[5]);
+  EXPECT_GT(differenceCalled(compareMeshes(mesh, reference, {}), "material 0, distance").measured, 0.05);
+  EXPECT_FALSE(compareMeshes(mesh, reference, {}).passes());
+  mesh = reference;
+  mesh.material_names[1] = "green";
+  EXPECT_FALSE(compareMeshes(mesh, reference, {.distance = 1}).passes());
+  mesh = reference;
+  mesh.triangle_materials[0] = 1;
+  EXPECT_FALSE(compareMeshes(mesh, reference, {.distance = 1}).passes());
+  mesh.triangle_materials.clear();
+  mesh.material_names.clear();
+  EXPECT_FALSE(compareMeshes(mesh, reference, {.distance = 1}).passes());
+}
+
 TEST(CompareMeshes, BothDirectionsCount) {
   // Each vertex of `doubled` lies on one of `reference`, but not the other way round.
   const TriangleMesh reference = stages::sphere(0);

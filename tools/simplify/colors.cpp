@@ -108,11 +108,25 @@ class Source {
   std::vector<int> map_of_material_;
 };
 
+// Where the materials' own textures are looked up, which a texture transform may have moved; elsewhere the
+// mesh's texture coordinates.
+std::vector<formats::Float2> lookupsOfAll(const MeshImport& source) {
+  const TriangleMesh& mesh = source.mesh;
+  std::vector<formats::Float2> lookups = mesh.texcoords.empty() ? source.texture_lookups : mesh.texcoords;
+  if (source.texture_lookups.empty()) return lookups;
+  for (std::size_t t = 0; t < mesh.triangle_materials.size(); ++t) {
+    const std::size_t material = mesh.triangle_materials[t];
+    if (material >= source.material_textures.size() || source.material_textures[material] < 0) continue;
+    for (const std::uint32_t v : mesh.triangles[t]) lookups[v] = source.texture_lookups[v];
+  }
+  return lookups;
+}
+
 }  // namespace
 
 std::vector<std::string> replaceAlbedo(MeshImport& source, const std::filesystem::path& texture,
                                        const std::string& file) {
-  if (source.mesh.texcoords.empty())
+  if (source.mesh.texcoords.empty() && source.texture_lookups.empty())
     throw badInput({file, "", ""}, "has no texture coordinates, so a texture cannot be put on it",
                    "a mesh with texture coordinates", "leave the texture out, or unwrap the mesh");
   std::vector<std::string> notes;
@@ -120,10 +134,10 @@ std::vector<std::string> replaceAlbedo(MeshImport& source, const std::filesystem
     notes.push_back(texture.string() + " replaces the mesh's own " + std::to_string(source.textures.size()) +
                     (source.textures.size() == 1 ? " texture" : " textures"));
   if (!source.mesh.colors.empty()) notes.push_back(texture.string() + " replaces the mesh's own colours");
+  source.texture_lookups = lookupsOfAll(source);
   source.mesh.colors.clear();
   source.textures = {{texture.string(), texture}};
   source.material_textures.assign(std::max<std::size_t>(source.mesh.material_names.size(), 1), 0);
-  source.texture_lookups = source.mesh.texcoords;
   return notes;
 }
 

@@ -11,8 +11,9 @@
 
 namespace bakelight::simplify {
 
-// Puts one picture on the whole of the mesh, in place of all its textures and colours. What it replaces is
-// told. Throws Error(kBadInput) naming `file` if the mesh has no texture coordinates.
+// Puts one picture on the whole of the mesh, in place of all its textures and colours, looked up where these
+// were. What it replaces is told. Throws Error(kBadInput) naming `file` if the mesh has no texture
+// coordinates.
 std::vector<std::string> replaceAlbedo(formats::MeshImport& source, const std::filesystem::path& texture,
                                        const std::string& file);
 

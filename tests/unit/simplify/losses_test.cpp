@@ -33,24 +33,21 @@ TEST(Losses, ACleanBodyIsNoCause) {
   EXPECT_TRUE(simplified(moved(tests::icosphere(4), {1000, 0, 0})).report.warnings.empty());
 }
 
-// The weld's tolerance is that of the ball, and every triangle is kept.
+// The weld's tolerance is that of the ball; only the six needles that reach out to the vertex go.
 TEST(Losses, AVertexAstrayCostsNothingAndIsNamed) {
   TriangleMesh ball = tests::icosphere(5);
   ball.positions[77] = {0, 1e6f, 0};
   const SimplifyResult result = simplified(ball);
-  EXPECT_EQ(result.mesh.triangleCount(), ball.triangleCount());
-  EXPECT_THAT(result.report.warnings, ElementsAre(AllOf(HasSubstr("vertex 77 at (0, 1e+06, 0)"),
-                                                        HasSubstr("between (-1, -1, -1) and (1, 1, 1)"))));
+  EXPECT_EQ(result.mesh.triangleCount(), ball.triangleCount() - 6);
+  EXPECT_THAT(result.report.warnings,
+              ElementsAre(AllOf(HasSubstr("vertex 77 at (0, 1e+06, 0)"), HasSubstr("lies 999999 away"))));
 }
 
 TEST(Losses, CoordinatesTooFarForFloatsAreTold) {
-  // A grid of squares whose side is half a float's step there: every other row falls onto its neighbour.
-  const TriangleMesh far = moved(tests::icosphere(4), {5e5f, 0, 4649776}, 1.0);
-  const SimplifyResult result = simplified(far);
-  ASSERT_EQ(result.report.warnings.size(), 1u);
-  EXPECT_THAT(result.report.warnings[0],
-              AllOf(HasSubstr("floats are 0.5 apart"), HasSubstr(" of 5120 triangles ("),
-                    HasSubstr("collapsed"), HasSubstr("move the mesh to the origin")));
+  const SimplifyResult result = simplified(moved(tests::icosphere(4), {5e5f, 0, 4649776}));
+  EXPECT_THAT(result.report.warnings,
+              testing::Contains(AllOf(HasSubstr("floats are 0.5 apart"), HasSubstr(" of 5120 triangles ("),
+                                      HasSubstr("collapsed"), HasSubstr("move the mesh to the origin"))));
 }
 
 TEST(Losses, WhatTheWeldTakesIsTold) {

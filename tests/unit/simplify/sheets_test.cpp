@@ -82,7 +82,11 @@ TEST(Sheets, BothSidesStay) {
       EXPECT_EQ(result.report.repairs.reversed_triangles, 0);
       EXPECT_TRUE(result.report.warnings.empty());
       EXPECT_EQ(count[0], count[1]);
-      EXPECT_EQ(count[0], triangles == 1000 ? 128u : 30u);
+      if (triangles == 1000) {
+        EXPECT_EQ(count[0], 128u);
+      } else {
+        EXPECT_NEAR(static_cast<double>(count[0]), 30, 1);
+      }
       EXPECT_LE(result.mesh.triangleCount(), static_cast<std::size_t>(triangles));
       expectFacing(result.mesh, 0, 1);
       expectFacing(result.mesh, 1, -1);
