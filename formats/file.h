@@ -23,6 +23,9 @@ std::string readTextFile(const std::filesystem::path& path);
 void writeFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void writeFileAtomically(const std::filesystem::path& path, std::string_view text);
 
+// Makes a rename in the path's folder last over a crash, where the file system can.
+void syncFolderOf(const std::filesystem::path& path) noexcept;
+
 // For a signal handler (async-signal-safe): removes the temporary file that a write of this process is
 // filling right now.
 void removeUnfinishedFile() noexcept;
