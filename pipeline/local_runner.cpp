@@ -23,6 +23,7 @@ using Clock = std::chrono::steady_clock;
 
 // How long a tool may take to clean up after SIGTERM.
 constexpr auto kGrace = std::chrono::seconds(3);
+constexpr int kEndCheck_ms = 20;  // where the kernel does not wake us at the end of a process
 
 volatile std::sig_atomic_t signals_seen = 0;
 int wake_pipe[2] = {-1, -1};
@@ -91,6 +92,7 @@ pid_t spawn(const std::vector<std::string>& command, int output, int error_outpu
   return pid;
 }
 
+// -1 where the kernel has no such call or forbids it.
 int openProcess(pid_t pid) {
   return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
 }
@@ -104,7 +106,7 @@ pid_t waitFor(pid_t pid, int& status, rusage& usage) {
 
 }  // namespace
 
-LocalRunner::LocalRunner() {
+LocalRunner::LocalRunner(bool process_descriptors) : process_descriptors_(process_descriptors) {
   signals_seen = 0;
   const Pipe wake = makePipe();
   wake_pipe[0] = wake.read_end;
@@ -137,7 +139,7 @@ void LocalRunner::start(Job job, const std::vector<std::string>& command) {
   ::close(lines.write_end);
   ::fcntl(lines.read_end, F_SETFL, O_NONBLOCK);
   child.error_descriptor = lines.read_end;
-  child.exit_descriptor = openProcess(child.pid);
+  if (process_descriptors_) child.exit_descriptor = openProcess(child.pid);
   children_[job] = std::move(child);
 }
 
@@ -150,6 +152,8 @@ std::optional<Event> LocalRunner::wait(int timeout_ms) {
     std::vector<pollfd> watched = {{wake_pipe[0], POLLIN, 0}};
     std::vector<Job> jobs;
     for (const auto& [job, child] : children_) {
+      if (child.exit_descriptor < 0)
+        timeout_ms = timeout_ms < 0 ? kEndCheck_ms : std::min(timeout_ms, kEndCheck_ms);
       jobs.push_back(job);
       watched.push_back({child.exit_descriptor, POLLIN, 0});
       watched.push_back({child.error_descriptor, POLLIN, 0});
@@ -157,7 +161,7 @@ std::optional<Event> LocalRunner::wait(int timeout_ms) {
     ::poll(watched.data(), watched.size(), timeout_ms);
     for (std::size_t i = 0; i < jobs.size(); ++i) {
       if (watched[2 + 2 * i].revents != 0) readLines(jobs[i], children_.at(jobs[i]));
-      if (watched[1 + 2 * i].revents != 0) reap(jobs[i]);
+      if (watched[1 + 2 * i].revents != 0 || hasEnded(children_.at(jobs[i]))) reap(jobs[i]);
     }
     if (kill_at_ && Clock::now() >= *kill_at_) killAll(SIGKILL);
     if (signals_seen > signals_reported_) {
@@ -173,6 +177,14 @@ std::optional<Event> LocalRunner::wait(int timeout_ms) {
   Event event = std::move(events_.front());
   events_.pop_front();
   return event;
+}
+
+// For children without a descriptor that tells. Leaves the status for reap.
+bool LocalRunner::hasEnded(const Child& child) {
+  if (child.exit_descriptor >= 0) return false;
+  siginfo_t ended{};
+  return ::waitid(P_PID, static_cast<id_t>(child.pid), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+         ended.si_pid == child.pid;
 }
 
 void LocalRunner::readLines(Job job, Child& child) {
