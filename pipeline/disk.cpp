@@ -139,8 +139,10 @@ void RealDisk::copy(const Path& from, const Path& to) {
   if (source.get() < 0) throw badInput({from.string(), "", ""}, "cannot be opened: " + messageOf(errno));
   const Descriptor target(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
   int error = target.get() < 0 ? errno : copyContent(source.get(), target.get());
+  // Without the sync a crash soon after the rename can leave an empty file under the final name.
+  if (error == 0 && ::fsync(target.get()) != 0) error = errno;
   if (error == 0 && ::rename(temporary.c_str(), to.c_str()) != 0) error = errno;
-  if (error == 0) return;
+  if (error == 0) return formats::syncFolderOf(to);
   ::unlink(temporary.c_str());
   throw cannotWrite(to.string(), "copying failed: " + messageOf(error));
 }
@@ -150,6 +152,7 @@ void RealDisk::rename(const Path& from, const Path& to) {
   std::error_code failed;
   fs::rename(from, to, failed);
   if (failed) throw cannotWrite(to.string(), "cannot be put in place: " + failed.message());
+  formats::syncFolderOf(to);
 }
 
 void RealDisk::removeAll(const Path& path) {
@@ -170,7 +173,7 @@ FolderLock::~FolderLock() {
 }
 
 // A file system without locks (some network mounts) lets everyone in: renames keep even that free of
-// half-written files.
+// half-written files, and the cache's temporary folders belong to one process each.
 bool FolderLock::tryLock() {
   return ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
 }
