@@ -53,14 +53,16 @@ class Cache {
   // the rest is read from stats.json. Throws Error(kBadInput) if an output is missing or stats.json is
   // damaged, Error(kCannotWrite).
   CacheEntry finishEntry(const std::string& key, const Ingredients& ingredients, formats::StageRecord run);
+  // If another process has finished the same key by then, its entry is returned and this one dropped.
   void dropEntry(const std::string& key);  // gives up what startEntry began
 
-  // What interrupted processes left behind. For the holder of the folder's lock only.
+  // What interrupted processes left behind: of this machine's processes that have ended, and what is a day
+  // old. Never what a living process of this machine fills, so it is safe on file systems without locks, too.
   void removeTemporaries();
 
  private:
   std::filesystem::path folderOf(const std::string& key) const;
-  std::filesystem::path temporaryOf(const std::string& key) const;
+  std::optional<CacheEntry> finishedByAnother(const std::string& key, const std::filesystem::path& temporary);
   CachedFile examined(const std::filesystem::path& folder, const std::string& name) const;
   std::string damageOf(const CacheEntry& entry) const;
   void readStats(const std::filesystem::path& path, formats::StageRecord& run) const;
@@ -68,6 +70,7 @@ class Cache {
   std::filesystem::path folder_;
   Disk& disk_;
   Memo& memo_;
+  std::map<std::string, std::filesystem::path> temporaries_;  // of entries that are being made, by key
 };
 
 }  // namespace bakelight::pipeline

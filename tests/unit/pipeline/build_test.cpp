@@ -2,6 +2,8 @@
 #include "pipeline/build.h"
 
 #include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "formats/error.h"
 #include "workshop.h"
@@ -12,6 +14,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::UnorderedElementsAre;
 
 using Tools = std::vector<std::string>;
 
@@ -236,13 +239,60 @@ TEST(Build, InterruptionLeavesNoTemporariesAndTheNextRunGoesOn) {
   EXPECT_EQ(next.toolsStarted(), (Tools{"transfer", "pack", "player"}));
 }
 
+pid_t endedProcess() {
+  const pid_t process = ::fork();
+  if (process == 0) ::_exit(0);
+  ::waitpid(process, nullptr, 0);
+  return process;
+}
+
 TEST(Build, TemporariesOfAKilledDriverAreRemoved) {
   FakeDisk disk;
-  disk.write("out/.cache/tmp-0123/mesh.ply", "half");
-  disk.write("out/.cache/01/0123/mesh.ply", "whole");
   Memo memo("out/.cache/memo.json", disk);
-  Cache("out/.cache", disk, memo).removeTemporaries();
-  EXPECT_THAT(disk.paths(), ElementsAre("out/.cache/01/0123/mesh.ply"));
+  Cache cache("out/.cache", disk, memo);
+  const std::filesystem::path alive = cache.startEntry("0123");
+  std::string dead = alive.string();
+  const std::size_t process = dead.rfind('-', dead.rfind('-') - 1) + 1;
+  dead.replace(process, dead.rfind('-') - process, std::to_string(endedProcess()));
+  disk.write(dead + "/mesh.ply", "half");
+  disk.write(alive / "mesh.ply", "half");
+  disk.write("out/.cache/tmp-0123-elsewhere-1-0/mesh.ply", "half");
+  disk.write("out/.cache/01/0123/mesh.ply", "whole");
+
+  Cache("out/.cache", disk, memo).removeTemporaries();  // a second driver, where there are no locks
+  EXPECT_THAT(disk.paths(), UnorderedElementsAre("out/.cache/01/0123/mesh.ply", (alive / "mesh.ply").string(),
+                                                 "out/.cache/tmp-0123-elsewhere-1-0/mesh.ply"));
+}
+
+TEST(Build, EachDriverFillsAFolderOfItsOwn) {
+  FakeDisk disk;
+  Memo memo("out/.cache/memo.json", disk);
+  Cache one("out/.cache", disk, memo), other("out/.cache", disk, memo);
+  const std::filesystem::path first = one.startEntry("0123");
+  disk.write(first / "mesh.ply", "half");
+  EXPECT_NE(other.startEntry("0123"), first);
+  EXPECT_TRUE(disk.isFile(first / "mesh.ply"));
+  other.dropEntry("0123");
+  EXPECT_TRUE(disk.isFile(first / "mesh.ply"));
+}
+
+TEST(Build, WhoComesSecondWithAnEntryTakesTheFirstOnes) {
+  FakeDisk disk;
+  Memo memo("out/.cache/memo.json", disk);
+  Cache one("out/.cache", disk, memo), other("out/.cache", disk, memo);
+  Ingredients ingredients;
+  ingredients.outputs["mesh"] = "mesh.ply";
+  for (Cache* cache : {&one, &other}) {
+    const std::filesystem::path folder = cache->startEntry("0123");
+    disk.write(folder / "mesh.ply", "whole");
+    disk.write(folder / kStatsFile, R"({"tool": "t", "wall_s": 0, "cpu_s": 0, "peak_memory_bytes": 0,
+                                        "warnings": [], "stats": {}})");
+  }
+  const formats::StageRecord quick{.tool = "", .wall_s = 1}, slow{.tool = "", .wall_s = 2};
+  one.finishEntry("0123", ingredients, quick);
+  EXPECT_EQ(other.finishEntry("0123", ingredients, slow).run.wall_s, 1);
+  EXPECT_THAT(disk.pathsContaining("tmp-"), IsEmpty());
+  EXPECT_TRUE(one.find("0123").entry);
 }
 
 TEST(Build, FullDiskFailsTheStageAndLeavesNothingHalfDone) {
