@@ -5,9 +5,11 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -15,6 +17,7 @@
 #include "formats/file.h"
 #include "formats/json.h"
 #include "pipeline/disk.h"
+#include "pipeline/local_runner.h"
 
 namespace bakelight::pipeline {
 namespace {
@@ -180,6 +183,43 @@ TEST_F(Driver, GraphAndToolsAndDryRun) {
   EXPECT_THAT(run("tools").output, HasSubstr("level = 1"));
   EXPECT_EQ(run("run cube --dry-run").output, "cube copy: would run: never run\n");
   EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST_F(Driver, MistypedWordsGetASuggestion) {
+  for (const auto& [words, meant] :
+       std::vector<std::pair<std::string, std::string>>{{"rnu cube", "\"run\""},
+                                                        {"run cube --outt o", "\"--out\""},
+                                                        {"baseline chek cube", "\"check\""}}) {
+    const Ended ended = run(words);
+    EXPECT_EQ(ended.status, 1) << words;
+    EXPECT_THAT(ended.output, HasSubstr("Try: " + meant)) << words;
+  }
+}
+
+TEST_F(Driver, NumbersOutOfRangeAreRefusedAsTheyWereWritten) {
+  for (const std::string option : {"--threads", "--jobs"})
+    for (const std::string value : {"-3", "1e9", "abc", "''", "99999999999999999999"}) {
+      const Ended ended = run("run cube " + option + "=" + value);
+      EXPECT_EQ(ended.status, 1) << option << " " << value;
+      EXPECT_THAT(ended.output, HasSubstr(option)) << value;
+      EXPECT_THAT(ended.output, Not(HasSubstr("18446744073709551613")));
+    }
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+// Old kernels and the system call filters of some containers have no pidfd_open.
+TEST_F(Driver, ProcessesEndWithoutDescriptorsForThem) {
+  LocalRunner runner(false);
+  runner.start(1, {"/bin/sh", "-c", "exit 3"});
+  // The first ends though its output stays open in a child of its own.
+  runner.start(2, {"/bin/sh", "-c", "sleep 5 & exit 4"});
+  std::map<Job, int> status;
+  const auto start = std::chrono::steady_clock::now();
+  while (status.size() < 2 && std::chrono::steady_clock::now() - start < std::chrono::seconds(60))
+    if (const auto event = runner.wait(60'000))
+      if (const auto* finished = std::get_if<ToolFinished>(&event->what))
+        status[event->job] = finished->exit_status;
+  EXPECT_EQ(status, (std::map<Job, int>{{1, 3}, {2, 4}}));
 }
 
 TEST_F(Driver, RealDiskCopiesAtomicallyAndReportsWhatItCannotWrite) {
