@@ -288,7 +288,8 @@ TEST(Build, WhoComesSecondWithAnEntryTakesTheFirstOnes) {
     disk.write(folder / kStatsFile, R"({"tool": "t", "wall_s": 0, "cpu_s": 0, "peak_memory_bytes": 0,
                                         "warnings": [], "stats": {}})");
   }
-  const formats::StageRecord quick{.tool = "", .wall_s = 1}, slow{.tool = "", .wall_s = 2};
+  formats::StageRecord quick, slow;
+  quick.wall_s = 1, slow.wall_s = 2;
   one.finishEntry("0123", ingredients, quick);
   EXPECT_EQ(other.finishEntry("0123", ingredients, slow).run.wall_s, 1);
   EXPECT_THAT(disk.pathsContaining("tmp-"), IsEmpty());
