@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
@@ -97,15 +98,19 @@ Bytes readFile(const fs::path& path) {
   if (::fstat(file.get(), &status) != 0) throw refuse("cannot be examined: " + systemMessage(errno));
   if (S_ISDIR(status.st_mode)) throw refuse("is a folder");
 
+  // The end is looked for with a block of its own, so that a file of the size it states is held once. Pipes
+  // and /proc files state none: grow as long as something comes.
   Bytes bytes(static_cast<std::size_t>(status.st_size));
+  std::array<std::byte, 65536> beyond;
   std::size_t filled = 0;
   while (true) {
-    // Pipes and /proc files state no size: grow as long as something comes.
-    if (filled == bytes.size()) bytes.resize(bytes.size() + (status.st_size > 0 ? 1 : 65536));
-    const ssize_t got = ::read(file.get(), bytes.data() + filled, bytes.size() - filled);
+    const bool full = filled == bytes.size();
+    const ssize_t got = full ? ::read(file.get(), beyond.data(), beyond.size())
+                             : ::read(file.get(), bytes.data() + filled, bytes.size() - filled);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) throw refuse("cannot be read: " + systemMessage(errno));
     if (got == 0) break;
+    if (full) bytes.insert(bytes.end(), beyond.begin(), beyond.begin() + got);
     filled += static_cast<std::size_t>(got);
   }
   bytes.resize(filled);
@@ -147,15 +152,14 @@ void writeFileAtomically(const fs::path& path, std::span<const std::byte> bytes)
   }
 }
 
-void writeFileAtomically(const fs::path& path, std::string_view text) {
-  writeFileAtomically(path, std::as_bytes(std::span(text)));
+void syncFolderOf(const fs::path& path) noexcept {
+  const std::string folder = path.has_parent_path() ? path.parent_path().string() : ".";
+  const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (opened.valid()) ::fsync(opened.get());
 }
 
-void syncFolderOf(const fs::path& path) noexcept {
-  const char* const folder = path.has_parent_path() ? nullptr : ".";
-  const Descriptor opened(
-      ::open(folder != nullptr ? folder : path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (opened.valid()) ::fsync(opened.get());
+void writeFileAtomically(const fs::path& path, std::string_view text) {
+  writeFileAtomically(path, std::as_bytes(std::span(text)));
 }
 
 void removeUnfinishedFile() noexcept {

@@ -13,6 +13,7 @@
 
 #include "formats/error.h"
 #include "formats/file.h"
+#include "formats/image_input.h"
 
 namespace bakelight::formats {
 namespace {
@@ -24,15 +25,6 @@ std::string elementName(const Image& image, std::size_t value_index) {
   const auto width = static_cast<std::size_t>(image.width);
   return "texel (" + std::to_string(texel % width) + ", " + std::to_string(texel / width) + "), channel " +
          image.channel_names[value_index % image.channelCount()];
-}
-
-void checkFinite(const Image& image, const std::string& file) {
-  for (std::size_t i = 0; i < image.values.size(); ++i) {
-    if (std::isfinite(image.values[i])) continue;
-    throw badInput({file, elementName(image, i), ""},
-                   std::isnan(image.values[i]) ? "it is NaN" : "it is infinite", "finite values",
-                   "repair the image, for example with oiiotool --fixnan box3");
-  }
 }
 
 void checkFitsHalf(const Image& image, const std::string& file) {
@@ -85,7 +77,7 @@ std::vector<unsigned char> encoded(const std::filesystem::path& path, const char
 std::vector<unsigned char> encodedPng(const std::filesystem::path& path, const Image& image) {
   checkShape(image);
   if (image.channelCount() > 4) throw std::logic_error("a PNG has 1 to 4 channels");
-  checkFinite(image, path.string());
+  requireFinite(image, path.string());
   OIIO::ImageSpec spec = specOf(image, OIIO::TypeDesc::UINT8);
   spec["oiio:ColorSpace"] = "sRGB";
   spec["oiio:UnassociatedAlpha"] = 1;
@@ -96,32 +88,53 @@ std::vector<unsigned char> encodedPng(const std::filesystem::path& path, const I
   return encoded(path, "png", spec, OIIO::TypeDesc::UINT8, codes);
 }
 
-Error unreadable(const std::string& file, const std::string& reason) {
-  return badInput({file, "", ""}, "the image cannot be read (" + reason + ")", "a whole image file",
-                  "copy or make it again");
-}
-
 Image readWith(OIIO::ImageInput& input, const std::string& file, NonFinite non_finite) {
   const OIIO::ImageSpec& spec = input.spec();
-  if (spec.depth > 1 || spec.deep) throw badInput({file, "", ""}, "it is deep or a volume", "a flat image");
-  if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
-      spec.height != spec.full_height) {
-    throw badInput(
-        {file, "", ""}, "its data window is not its display window", "an image that fills its frame",
-        "fill the frame with oiiotool --croptofull, or drop it with oiiotool --origin +0+0 --fullpixels");
-  }
+  requireFlat(spec, file);
   Image image(spec.width, spec.height, spec.channelnames);
   if (!input.read_image(0, 0, 0, -1, OIIO::TypeDesc::FLOAT, image.values.data())) {
-    throw unreadable(file, input.geterror());
+    throw unreadableImage(file, input.geterror());
   }
-  if (non_finite == NonFinite::kReject) checkFinite(image, file);
+  image = upright(std::move(image), input);
+  if (non_finite == NonFinite::kReject) requireFinite(image, file);
   return image;
 }
 
-OIIO::ImageSpec readingHints() {
+// Exif's orientations: how far each axis of the image runs along those of the file.
+struct Turn {
+  bool transposed = false, mirrored_x = false, mirrored_y = false;  // of the upright image, in this order
+};
+
+Turn turnOf(const OIIO::ImageInput& input) {
+  int orientation = input.spec().get_int_attribute("Orientation", 1);
+  // OpenImageIO numbers two of Radiance's eight the other way round: "+X n +Y m" begins in the lower left
+  // and runs upwards, which is Exif's 8; "-X n -Y m" is its 6.
+  if (std::string_view(input.format_name()) == "hdr" && (orientation == 6 || orientation == 8))
+    orientation = 14 - orientation;
+  switch (orientation) {
+    case 2:
+      return {false, true, false};
+    case 3:
+      return {false, true, true};
+    case 4:
+      return {false, false, true};
+    case 5:
+      return {true, false, false};
+    case 6:
+      return {true, true, false};
+    case 7:
+      return {true, true, true};
+    case 8:
+      return {true, false, true};
+    default:
+      return {};
+  }
+}
+
+OIIO::ImageSpec readingHints(bool converted) {
   OIIO::ImageSpec hints;
   hints["oiio:UnassociatedAlpha"] = 1;  // values as they stand in the file: colour is not multiplied by alpha
-  hints["oiio:RawColor"] = 1;           // nor converted
+  hints["oiio:RawColor"] = converted ? 0 : 1;
   return hints;
 }
 
@@ -141,16 +154,55 @@ std::string endingOf(std::span<const std::byte> bytes) {
   return "";
 }
 
-std::unique_ptr<OIIO::ImageInput> opened(const std::string& file) {
+}  // namespace
+
+Error unreadableImage(const std::string& file, const std::string& reason) {
+  return badInput({file, "", ""}, "the image cannot be read (" + reason + ")", "a whole image file",
+                  "copy or make it again");
+}
+
+void requireFinite(const Image& image, const std::string& file) {
+  for (std::size_t i = 0; i < image.values.size(); ++i) {
+    if (std::isfinite(image.values[i])) continue;
+    throw badInput({file, elementName(image, i), ""},
+                   std::isnan(image.values[i]) ? "it is NaN" : "it is infinite", "finite values",
+                   "repair the image, for example with oiiotool --fixnan box3");
+  }
+}
+
+void requireFlat(const OIIO::ImageSpec& spec, const std::string& file) {
+  if (spec.depth > 1 || spec.deep) throw badInput({file, "", ""}, "it is deep or a volume", "a flat image");
+  if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
+      spec.height != spec.full_height) {
+    throw badInput(
+        {file, "", ""}, "its data window is not its display window", "an image that fills its frame",
+        "fill the frame with oiiotool --croptofull, or drop it with oiiotool --origin +0+0 --fullpixels");
+  }
+}
+
+std::unique_ptr<OIIO::ImageInput> openImage(const std::string& file, bool converted) {
   if (!std::filesystem::is_regular_file(file))
     throw badInput({file, "", ""}, "there is no such file", "an image");
-  const OIIO::ImageSpec hints = readingHints();
+  const OIIO::ImageSpec hints = readingHints(converted);
   auto input = OIIO::ImageInput::open(file, &hints);
-  if (!input) throw unreadable(file, OIIO::geterror());
+  if (!input) throw unreadableImage(file, OIIO::geterror());
   return input;
 }
 
-}  // namespace
+Image upright(Image image, const OIIO::ImageInput& input) {
+  const Turn turn = turnOf(input);
+  if (!turn.transposed && !turn.mirrored_x && !turn.mirrored_y) return image;
+  Image turned(turn.transposed ? image.height : image.width, turn.transposed ? image.width : image.height,
+               image.channel_names);
+  for (int y = 0; y < turned.height; ++y)
+    for (int x = 0; x < turned.width; ++x) {
+      const int across = turn.mirrored_x ? turned.width - 1 - x : x;
+      const int down = turn.mirrored_y ? turned.height - 1 - y : y;
+      const float* from = turn.transposed ? image.texel(down, across) : image.texel(across, down);
+      std::copy(from, from + image.channelCount(), turned.texel(x, y));
+    }
+  return turned;
+}
 
 int Image::channelIndex(const std::string& name) const {
   const auto found = std::find(channel_names.begin(), channel_names.end(), name);
@@ -160,7 +212,7 @@ int Image::channelIndex(const std::string& name) const {
 Image readImage(const std::filesystem::path& path, NonFinite non_finite) {
   const std::string file = path.string();
   try {
-    return readWith(*opened(file), file, non_finite);
+    return readWith(*openImage(file, false), file, non_finite);
   } catch (const std::bad_alloc&) {
     throw badInput({file, "", ""}, "the image does not fit into memory", "a smaller image");
   }
@@ -173,10 +225,10 @@ Image readImage(std::span<const std::byte> bytes, const std::string& name, NonFi
                    "PNG, JPEG, GIF, BMP, TIFF, WebP, EXR or Radiance");
   OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes.data()), bytes.size());
   OIIO::Filesystem::IOProxy* proxy = &memory;
-  OIIO::ImageSpec hints = readingHints();
+  OIIO::ImageSpec hints = readingHints(false);
   hints.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
   const auto input = OIIO::ImageInput::open("picture" + ending, &hints, &memory);
-  if (!input) throw unreadable(name, OIIO::geterror());
+  if (!input) throw unreadableImage(name, OIIO::geterror());
   try {
     return readWith(*input, name, non_finite);
   } catch (const std::bad_alloc&) {
@@ -185,7 +237,7 @@ Image readImage(std::span<const std::byte> bytes, const std::string& name, NonFi
 }
 
 std::map<std::string, std::string> readImageMetadata(const std::filesystem::path& path) {
-  const auto input = opened(path.string());
+  const auto input = openImage(path.string(), false);
   std::map<std::string, std::string> metadata;
   for (const OIIO::ParamValue& attribute : input->spec().extra_attribs)
     if (attribute.type() == OIIO::TypeString)
@@ -196,7 +248,7 @@ std::map<std::string, std::string> readImageMetadata(const std::filesystem::path
 void writeExr(const std::filesystem::path& path, const Image& image, ExrPrecision precision,
               const std::map<std::string, std::string>& metadata) {
   checkShape(image);
-  checkFinite(image, path.string());
+  requireFinite(image, path.string());
   if (precision == ExrPrecision::kHalf) checkFitsHalf(image, path.string());
   const OIIO::TypeDesc type = precision == ExrPrecision::kHalf ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT;
   OIIO::ImageSpec spec = specOf(image, type);

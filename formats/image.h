@@ -36,9 +36,10 @@ enum class ExrPrecision { kHalf, kFloat };
 // What reading does about values that are NaN or infinite.
 enum class NonFinite { kReject, kKeep };
 
-// Reads any image OpenImageIO knows, as linear floats, channels in file order; 8- and 16-bit images are
-// scaled to [0, 1] and otherwise left as they are (no colour conversion). Throws Error(kBadInput) naming
-// file, and texel and channel where a value is rejected.
+// Reads any image OpenImageIO knows (of several parts the first), as floats, channels in file order, turned
+// upright where the file says how it lies; 8- and 16-bit images are scaled to [0, 1] and otherwise left as
+// they are (no colour conversion: formats/color_picture.h reads light and albedo). Throws Error(kBadInput)
+// naming file, and texel and channel where a value is rejected.
 Image readImage(const std::filesystem::path& path, NonFinite non_finite = NonFinite::kReject);
 
 // The same from the bytes of a picture's file, of a kind that tells itself by its first bytes (PNG, JPEG,

@@ -20,6 +20,7 @@ struct EnvironmentLight {  // "environment"
   Image image;         // R, G, B: lat-long (2:1), or a cube map as a strip of six faces (6:1, or 1:6)
   double yaw_deg = 0;  // turns it about +Y, right-handed
   double intensity = 1;
+  std::vector<std::string> notes = {};  // of its reader, for the user
 };
 struct DiskLight {  // "disk"
   Float3 direction = {0, 1, 0};

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "formats/color_picture.h"
 #include "formats/error.h"
 #include "formats/json.h"
 #include "formats/mesh_import.h"
@@ -131,7 +132,9 @@ class Members {
 EnvironmentLight readEnvironment(Members& members) {
   EnvironmentLight light;
   light.path = members.readPath("image", "an HDR image: lat-long, or a strip of six cube faces");
-  light.image = readImage(light.path);
+  ColorPicture picture = readColorPicture(light.path, PictureUse::kLight);
+  light.image = std::move(picture.image);
+  light.notes = std::move(picture.notes);
   const int width = light.image.width, height = light.image.height;
   if (width != 2 * height && width != 6 * height && height != 6 * width)
     throw badInput(
@@ -303,17 +306,27 @@ LightRig readLightRig(const fs::path& path) {
 }
 
 LightRig readLights(const std::filesystem::path& environment_path, const std::filesystem::path& rig_path,
-                    double windowing) {
+                    std::optional<double> windowing) {
   LightRig rig;
   if (!rig_path.empty()) rig = readLightRig(rig_path);
   if (!environment_path.empty()) {
     EnvironmentLight environment;
     environment.path = environment_path;
-    environment.image = readImage(environment_path);
+    ColorPicture picture = readColorPicture(environment_path, PictureUse::kLight);
+    environment.image = std::move(picture.image);
+    environment.notes = std::move(picture.notes);
     rig.distant.emplace_back(std::move(environment));
   }
-  if (windowing != 0) rig.windowing = windowing;
+  if (windowing) rig.windowing = *windowing;
   return rig;
+}
+
+std::vector<std::string> notesOn(const LightRig& rig) {
+  std::vector<std::string> notes;
+  for (const DistantLight& light : rig.distant)
+    if (const auto* environment = std::get_if<EnvironmentLight>(&light))
+      notes.insert(notes.end(), environment->notes.begin(), environment->notes.end());
+  return notes;
 }
 
 }  // namespace bakelight::formats

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "formats/light_rig.h"
 
@@ -13,9 +16,12 @@ namespace bakelight::formats {
 LightRig readLightRig(const std::filesystem::path& path);
 
 // All lights that tools are given by --environment (a lat-long image) and --lights (a rig): their sum. Either
-// path may be empty; both empty is a rig without lights. `windowing`: 0 leaves the rig's own, else as in
-// LightRig. Throws what readImage and readLightRig throw.
+// path may be empty; both empty is a rig without lights. `windowing`, where given, replaces the rig's.
+// Throws what readColorPicture and readLightRig throw.
 LightRig readLights(const std::filesystem::path& environment_path, const std::filesystem::path& rig_path,
-                    double windowing = 0);
+                    std::optional<double> windowing = {});
+
+// What a tool should warn of: pictures that were decoded, or are black.
+std::vector<std::string> notesOn(const LightRig& rig);
 
 }  // namespace bakelight::formats

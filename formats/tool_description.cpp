@@ -57,6 +57,14 @@ double checkedReal(const ParameterDescription& parameter, const Json& value, con
   return number;
 }
 
+Json checkedChoice(const ParameterDescription& parameter, const Json& value, const ErrorPlace& place) {
+  const auto text = value.get<std::string>();
+  const auto& choices = parameter.choices;
+  if (std::find(choices.begin(), choices.end(), text) != choices.end()) return value;
+  const std::string nearest = nearestName(text, choices);
+  refuse(parameter, value, place, "is not a choice", nearest.empty() ? "" : "\"" + nearest + "\"");
+}
+
 std::string textOrEmpty(const Json& json, const char* key) {
   return json.value(key, std::string());
 }
@@ -125,8 +133,11 @@ std::string expectation(const ParameterDescription& parameter) {
       return "true or false";
     case ParameterType::kInteger:
       return "an integer" + rangeText(parameter);
-    case ParameterType::kReal:
-      return "a number" + rangeText(parameter);
+    case ParameterType::kReal: {
+      std::string text = "a number" + rangeText(parameter);
+      for (const auto& choice : parameter.choices) text.append(", or \"").append(choice).append("\"");
+      return text;
+    }
     case ParameterType::kRealList:
       return "a list of " + std::to_string(parameter.length) + " numbers" + rangeText(parameter);
     case ParameterType::kText:
@@ -149,6 +160,7 @@ Json checkParameter(const ParameterDescription& parameter, const Json& value, co
       if (!inRange(parameter, value.get<double>())) refuse(parameter, value, place, "is out of range");
       return value.get<std::int64_t>();
     case ParameterType::kReal:
+      if (value.is_string() && !parameter.choices.empty()) return checkedChoice(parameter, value, place);
       return checkedReal(parameter, value, value, place);
     case ParameterType::kRealList: {
       if (!value.is_array() || value.size() != static_cast<std::size_t>(parameter.length))
@@ -161,13 +173,7 @@ Json checkParameter(const ParameterDescription& parameter, const Json& value, co
       break;
   }
   if (!value.is_string()) refuse(parameter, value, place, "has the wrong type");
-  const auto text = value.get<std::string>();
-  const auto& choices = parameter.choices;
-  if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end()) {
-    const std::string nearest = nearestName(text, choices);
-    refuse(parameter, value, place, "is not a choice", nearest.empty() ? "" : "\"" + nearest + "\"");
-  }
-  return value;
+  return parameter.choices.empty() ? value : checkedChoice(parameter, value, place);
 }
 
 Json checkParameters(const ToolDescription& tool, const Json& values, const ErrorPlace& place) {

@@ -16,7 +16,7 @@ namespace bakelight::formats {
 enum class ParameterType {
   kBoolean,
   kInteger,   // 64-bit signed
-  kReal,      // finite double; a JSON integer is accepted
+  kReal,      // finite double; a JSON integer is accepted; or one of `choices`, where there are any
   kText,      // one of `choices` when there are any, else any text
   kRealList,  // fixed length, each element within the range
 };
@@ -26,7 +26,7 @@ struct ParameterDescription {
   ParameterType type = ParameterType::kBoolean;
   Json default_value;
   std::optional<double> minimum, maximum;  // inclusive
-  std::vector<std::string> choices;        // kText only
+  std::vector<std::string> choices;        // kText; words that stand for a number, of kReal
   int length = 1;                          // kRealList only
   std::string unit;                        // "deg", "px", "triangles"; "" if dimensionless
   std::string help;                        // one line, no final full stop

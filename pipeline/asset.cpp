@@ -148,7 +148,9 @@ class Finder {
     if (object.has("budget")) asset.budget = object.value("budget");
     for (const auto& [name, port] : recipe.asset)
       problems_.attempt([&, name = name, required = port.required] {
-        if (object.has(name) || required) asset.files[name] = fileNamed(object, name, file.parent_path());
+        if (!object.has(name) && !required) return;
+        asset.files[name] = fs::path();  // one mistake: it is not missing for the stages that need it as well
+        asset.files[name] = fileNamed(object, name, file.parent_path());
       });
     assets_.push_back(std::move(asset));
   }
@@ -178,11 +180,11 @@ void checkNames(const std::vector<Asset>& assets, Problems& problems) {
                             "a name for a folder, not starting with a dot"));
     const auto [other, is_new] = file_of.emplace(asset.name, asset.file);
     if (!is_new)
-      problems.add(
-          badInput({asset.file, "", ""},
-                   "is a second asset of the name \"" + asset.name + "\"; the first is " + other->second,
-                   "each name once, as it names the folder of the outputs",
-                   "give one of them another \"name\" in an asset.json, or bake them with an --out each"));
+      problems.add(badInput(
+          {asset.file, "", ""},
+          "is a second asset of the name \"" + asset.name + "\"; the first is " + other->second,
+          "each name once, as it names a folder of outputs",
+          "rename one of the files, or put it into a folder with an asset.json that gives a \"name\""));
   }
 }
 

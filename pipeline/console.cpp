@@ -65,8 +65,11 @@ std::string barText(double fraction, int width) {
 
 Console::Console(const Graph& graph, std::ostream& lines, std::ostream& errors, bool live)
     : graph_(graph), lines_(lines), errors_(errors), live_(live) {
-  for (TaskIndex task = 0; task < graph.tasks.size(); ++task)
-    if (graph.tasks[task].left_out.empty()) label_width_ = std::max(label_width_, graph.nameOf(task).size());
+  for (TaskIndex task = 0; task < graph.tasks.size(); ++task) {
+    if (!graph.tasks[task].left_out.empty()) continue;
+    label_width_ = std::max(label_width_, graph.nameOf(task).size());
+    ++stage_count_;
+  }
   label_width_ = std::min(label_width_, kMaxLabelWidth);
 }
 
@@ -93,7 +96,10 @@ void Console::said(TaskIndex task, const std::string& text) {
 }
 
 void Console::settled(TaskIndex task, const Outcome& outcome) {
-  ++settled_count_;
+  if (outcome.status != StageStatus::kLeftOut)
+    ++settled_count_;
+  else if (graph_.tasks[task].left_out.empty())
+    --stage_count_;  // counted before it was known
   running_.erase(task);
   switch (outcome.status) {
     case StageStatus::kRan:
@@ -173,7 +179,7 @@ void Console::drawLive() {
   if (!live_ || running_.empty() || now < next_draw_) return;
   next_draw_ = now + kRedraw;
   const auto shown = running_.count(latest_) != 0 ? running_.find(latest_) : running_.begin();
-  errors_ << kEraseLine << '[' << settled_count_ << '/' << graph_.tasks.size() << "] "
+  errors_ << kEraseLine << '[' << settled_count_ + 1 << '/' << stage_count_ << "] "
           << graph_.nameOf(shown->first) << "  " << progressText(shown->second);
   if (running_.size() > 1) errors_ << "  and " << running_.size() - 1 << " more";
   errors_ << std::flush;

@@ -39,7 +39,7 @@ class Console : public BuildObserver {
   const bool live_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point next_draw_ = start_;
-  std::size_t label_width_ = 0, settled_count_ = 0;
+  std::size_t label_width_ = 0, settled_count_ = 0, stage_count_ = 0;  // without what is left out
   std::map<TaskIndex, ToolProgress> running_;
   TaskIndex latest_ = 0;  // that told its progress last
   bool live_shown_ = false;

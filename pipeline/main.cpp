@@ -1,12 +1,15 @@
 // `bakelight`: from asset folders to packs. The command line is read here; pipeline/commands.h does the rest.
+#include <algorithm>
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <filesystem>
 #include <functional>
 #include <iostream>
 #include <string>
+#include <vector>
 
 #include "formats/error.h"
+#include "formats/json.h"
 #include "pipeline/commands.h"
 #include "pipeline/problems.h"
 
@@ -65,6 +68,29 @@ int report(const std::function<int()>& command) {
   }
 }
 
+// What a word of the command line that nobody knows comes nearest to: a command where one is expected, or an
+// option of the command that is named.
+std::string nearestWord(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* command = &app;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    std::vector<std::string> known;
+    const bool is_option = word.starts_with("--");
+    if (is_option) {
+      for (const CLI::Option* option : command->get_options())
+        for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+    } else {
+      for (const CLI::App* inner : command->get_subcommands([](const CLI::App*) { return true; }))
+        known.push_back(inner->get_name());
+    }
+    if (known.empty()) continue;
+    const std::string stem = word.substr(0, word.find('='));
+    if (std::find(known.begin(), known.end(), stem) == known.end()) return formats::nearestName(stem, known);
+    if (!is_option) command = command->get_subcommand(word);
+  }
+  return "";
+}
+
 int runCommandLine(int argc, char** argv) {
   CLI::App app("Bakes how light moves over an object, from an asset folder to one pack", "bakelight");
   app.set_version_flag("--version", BAKELIGHT_VERSION);
@@ -73,8 +99,10 @@ int runCommandLine(int argc, char** argv) {
 
   CLI::App& run = *app.add_subcommand("run", "Make what the assets deliver");
   addAssets(run, request);
-  run.add_option("-j,--jobs", request.jobs, "Stages at once; 0: as many as there are cores");
-  run.add_option("--threads", request.cores, "Cores to share among the stages; 0: all");
+  run.add_option("-j,--jobs", request.jobs, "Stages at once; 0: as many as there are cores")
+      ->check(CLI::Range(0, 4096));
+  run.add_option("--threads", request.cores, "Cores to share among the stages; 0: all")
+      ->check(CLI::Range(0, 4096));
   run.add_flag("--dry-run,-n", request.dry_run, "Only tell what would be done");
   run.add_flag("--keep-all", request.keep_all, "Leave nothing out because of what was measured");
   CLI::App& sweep = *app.add_subcommand(
@@ -86,8 +114,10 @@ int runCommandLine(int argc, char** argv) {
                   "combinations")
       ->type_name("STAGE.PARAMETER=VALUE,...")
       ->allow_extra_args(false);
-  sweep.add_option("-j,--jobs", request.jobs, "Stages at once; more than 1 disturbs the times");
-  sweep.add_option("--threads", request.cores, "Cores to share among the stages; 0: all");
+  sweep.add_option("-j,--jobs", request.jobs, "Stages at once; more than 1 disturbs the times")
+      ->check(CLI::Range(0, 4096));
+  sweep.add_option("--threads", request.cores, "Cores to share among the stages; 0: all")
+      ->check(CLI::Range(0, 4096));
   CLI::App& baseline = *app.add_subcommand(
       "baseline", "Keep what every stage makes, and compare later runs with it; for continuous integration");
   baseline.require_subcommand(1);
@@ -97,8 +127,10 @@ int runCommandLine(int argc, char** argv) {
   for (CLI::App* command : {&save, &check}) {
     addAssets(*command, request);
     command->add_option("--baseline", request.baseline, "Folder of the baseline; default: beside the asset");
-    command->add_option("-j,--jobs", request.jobs, "Stages at once; 0: as many as there are cores");
-    command->add_option("--threads", request.cores, "Cores to share among the stages; 0: all");
+    command->add_option("-j,--jobs", request.jobs, "Stages at once; 0: as many as there are cores")
+        ->check(CLI::Range(0, 4096));
+    command->add_option("--threads", request.cores, "Cores to share among the stages; 0: all")
+        ->check(CLI::Range(0, 4096));
   }
   CLI::App& explain = *app.add_subcommand("explain", "Tell why each stage is up to date or not");
   addAssets(explain, request);
@@ -116,7 +148,9 @@ int runCommandLine(int argc, char** argv) {
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    std::cerr << "bakelight: " << error.what() << ". Try: bakelight --help.\n";
+    const std::string meant = nearestWord(app, argc, argv);
+    std::cerr << "bakelight: " << error.what()
+              << ". Try: " << (meant.empty() ? "bakelight --help" : "\"" + meant + "\"") << ".\n";
     return static_cast<int>(ExitStatus::kUsage);
   }
   if (run.parsed()) return runCommand(request);

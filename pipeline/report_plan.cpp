@@ -25,9 +25,9 @@ class PlanWriter {
                        {"camera", view.camera},
                        {"environment", fileEntry(view.environment)},
                        {"lights", fileEntry(view.lights)},
-                       {"windowing", view.windowing},
                        {"frame", view.frame},
                        {"reference", made(sweep_.truths[i], "image")}});
+      if (view.windowing) views.back()["windowing"] = *view.windowing;
     }
     return views;
   }

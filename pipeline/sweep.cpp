@@ -240,7 +240,7 @@ class Planner {
     if (own_light) lights["light"] = fs::path();
     const JsonObject own(base_.report, base_.file, "/report");
     const JsonObject cameras = own.has("cameras") ? own.object("cameras") : how_.cameras();
-    const double windowing = playersWindowing();
+    const std::optional<double> windowing = playersWindowing();
     for (const auto& [light, path] : lights)
       for (const std::string& camera : cameras.keys()) {
         View view{.name = fileName(light + "-" + camera), .light = light, .camera = camera};
@@ -262,10 +262,14 @@ class Planner {
           badInput({recipe_.file, "", "/report/cameras"}, "there is no camera", "one camera or more"));
   }
 
-  double playersWindowing() const {
+  std::optional<double> playersWindowing() const {
     const auto frame = tasks_.find({kept_[of_variant_.front().variant], how_.frameStage()});
-    if (frame == tasks_.end()) return 0;
-    return sweep_.graph.tasks[frame->second].parameters.value("windowing", 0.0);
+    if (frame == tasks_.end()) return std::nullopt;
+    const Json& parameters = sweep_.graph.tasks[frame->second].parameters;
+    const auto windowing = parameters.find("windowing");
+    if (windowing == parameters.end() || *windowing == "rig") return std::nullopt;
+    if (*windowing == "auto") return -1.0;
+    return windowing->is_number() ? windowing->get<double>() : 0.0;
   }
 
   // Of { "same_as": "stage.parameter" }: the parameter's value in the asset `values_of`.

@@ -32,7 +32,7 @@ namespace bakelight::pipeline {
 struct View {
   std::string name, light, camera;                      // "studio-front", "studio", "front"
   std::filesystem::path environment = {}, lights = {};  // either may be empty
-  double windowing = 0;                                 // of the player
+  std::optional<double> windowing = {};                 // of the player; none: as the lights say
   formats::Json frame = formats::Json::object();        // parameters of the picture
 };
 

@@ -3,10 +3,16 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <new>
 #include <stdexcept>
+#include <string>
+
+#include "formats/error.h"
 
 namespace bakelight::transport {
 namespace {
@@ -24,7 +30,40 @@ RTCDevice newDevice() {
   return device;
 }
 
+constexpr float kSmallestCoordinate = 1e-15F, kLargestCoordinate = 1e15F;
+
+float farthestCoordinate(const formats::TriangleMesh& mesh) {
+  float farthest = 0;
+  for (const formats::Float3& position : mesh.positions)
+    for (const float value : position) farthest = std::max(farthest, std::abs(value));
+  return farthest;
+}
+
+// Embree multiplies up to four lengths and holds some of its thresholds absolute. What it traces well as it
+// is stays untouched.
+float embreeScale(float farthest) {
+  constexpr int kOrdinaryExponent = 20;
+  if (!(farthest > 0)) return 1;
+  const int exponent = std::ilogb(farthest);
+  return std::abs(exponent) <= kOrdinaryExponent ? 1.0F : std::ldexp(1.0F, -exponent);
+}
+
+formats::Float3 scaled(const formats::Float3& v, float scale) {
+  return {v[0] * scale, v[1] * scale, v[2] * scale};
+}
+
 }  // namespace
+
+void requireTraceableScale(const formats::TriangleMesh& mesh, const std::string& file) {
+  const float farthest = farthestCoordinate(mesh);
+  if (farthest == 0 || (farthest >= kSmallestCoordinate && farthest <= kLargestCoordinate)) return;
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", static_cast<double>(farthest));
+  throw badInput({file, "", ""},
+                 "the mesh's farthest coordinate is " + std::string(text.data()) +
+                     ", beyond what can be traced in single precision",
+                 "from 1e-15 to 1e15", "scale the mesh, for example to a size of 1");
+}
 
 struct RayScene::Implementation {
   RTCDevice device = newDevice();
@@ -43,6 +82,8 @@ struct RayScene::Implementation {
     if (code != RTC_ERROR_NONE) throwDeviceError(code, "the scene could not be built");
   }
 
+  float scale = 1;  // of the scene in Embree, a power of two, so that nothing is rounded
+
   // Embree owns the buffers: it pads them for its 16-byte loads.
   void attach(const formats::TriangleMesh& mesh) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -51,7 +92,9 @@ struct RayScene::Implementation {
     void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                               sizeof(formats::Triangle), mesh.triangleCount());
     throwOnError();
-    std::memcpy(vertices, mesh.positions.data(), mesh.vertexCount() * sizeof(formats::Float3));
+    scale = embreeScale(farthestCoordinate(mesh));
+    std::transform(mesh.positions.begin(), mesh.positions.end(), static_cast<formats::Float3*>(vertices),
+                   [&](const formats::Float3& p) { return scaled(p, scale); });
     std::memcpy(triangles, mesh.triangles.data(), mesh.triangleCount() * sizeof(formats::Triangle));
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(scene, geometry, 0);
@@ -61,6 +104,7 @@ struct RayScene::Implementation {
 
 RayScene::RayScene(const formats::TriangleMesh& mesh) : implementation_(std::make_unique<Implementation>()) {
   if (mesh.vertexCount() > kIndexLimit || mesh.triangleCount() > kIndexLimit) throw std::bad_alloc();
+  requireTraceableScale(mesh, "");
   if (mesh.triangleCount() > 0) implementation_->attach(mesh);
   // Robust: a ray along an edge must not slip between two triangles, it would let light into closed bodies.
   rtcSetSceneFlags(implementation_->scene, RTC_SCENE_FLAG_ROBUST);
@@ -110,7 +154,8 @@ void RayScene::occluded(const Float3& origin, const RayBundle& bundle, float t_n
                         std::span<std::uint8_t> blocked) const {
   alignas(64) RTCRay16 rays;
   alignas(64) IntMask valid;
-  setOrigin(rays, origin, t_near);
+  const float scale = implementation_->scale;
+  setOrigin(rays, scaled(origin, scale), t_near * scale);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   for (std::size_t first = 0; first < blocked.size(); first += kPacketWidth) {
@@ -125,7 +170,8 @@ void RayScene::nearestHits(const Float3& origin, const RayBundle& bundle, float 
                            HitBundle& hits) const {
   alignas(64) RTCRayHit16 query;
   alignas(64) IntMask valid;
-  setOrigin(query.ray, origin, t_near);
+  const float scale = implementation_->scale;
+  setOrigin(query.ray, scaled(origin, scale), t_near * scale);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   for (std::size_t first = 0; first < count; first += kPacketWidth) {
@@ -138,7 +184,7 @@ void RayScene::nearestHits(const Float3& origin, const RayBundle& bundle, float 
       hits.triangle[first + i] = query.hit.primID[i];
       hits.u[first + i] = query.hit.u[i];
       hits.v[first + i] = query.hit.v[i];
-      hits.distance[first + i] = query.ray.tfar[i];
+      hits.distance[first + i] = query.ray.tfar[i] / scale;
       const float towards = query.hit.Ng_x[i] * query.ray.dir_x[i] + query.hit.Ng_y[i] * query.ray.dir_y[i] +
                             query.hit.Ng_z[i] * query.ray.dir_z[i];
       hits.back_face[first + i] = towards > 0 ? 1 : 0;
@@ -165,7 +211,8 @@ RTCRay singleRay(const Vec3& origin, const Vec3& direction, float t_near, float 
 }  // namespace
 
 bool RayScene::occluded(const Vec3& origin, const Vec3& direction, float t_far) const {
-  RTCRay ray = singleRay(origin, direction, 0, t_far);
+  const float scale = implementation_->scale;
+  RTCRay ray = singleRay(origin * scale, direction, 0, t_far * scale);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded1(implementation_->scene, &context, &ray);
@@ -174,7 +221,8 @@ bool RayScene::occluded(const Vec3& origin, const Vec3& direction, float t_far) 
 
 Hit RayScene::nearestHit(const Vec3& origin, const Vec3& direction, float t_near) const {
   RTCRayHit query{};
-  query.ray = singleRay(origin, direction, t_near, std::numeric_limits<float>::infinity());
+  const float scale = implementation_->scale;
+  query.ray = singleRay(origin * scale, direction, t_near * scale, std::numeric_limits<float>::infinity());
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -182,7 +230,7 @@ Hit RayScene::nearestHit(const Vec3& origin, const Vec3& direction, float t_near
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   const float towards =
       query.hit.Ng_x * query.ray.dir_x + query.hit.Ng_y * query.ray.dir_y + query.hit.Ng_z * query.ray.dir_z;
-  return {true, query.ray.tfar, query.hit.primID, query.hit.u, query.hit.v, towards > 0};
+  return {true, query.ray.tfar / scale, query.hit.primID, query.hit.u, query.hit.v, towards > 0};
 }
 
 std::string RayScene::executionPath() {

@@ -49,11 +49,17 @@ struct HitBundle {
       : blocked(size), back_face(size), triangle(size), u(size), v(size), distance(size) {}
 };
 
+// Throws Error(kBadInput) naming `file` for a mesh whose farthest coordinate is not 10⁻¹⁵ to 10¹⁵: beyond,
+// areas and distances leave the range of floats.
+void requireTraceableScale(const formats::TriangleMesh& mesh, const std::string& file);
+
 class RayScene {
  public:
   static constexpr int kPacketWidth = 16;
 
-  // Builds the bounding-volume hierarchy with `threads` threads (same tree whatever the number). Triangles
+  // Builds the bounding-volume hierarchy (same tree whatever the number of threads). Lengths are the mesh's
+  // own whatever its scale: where single precision would run out, the scene is held scaled by a power of two.
+  // Throws as requireTraceableScale does. Triangles
   // with a repeated index or zero area are kept; rays miss them. Throws std::bad_alloc, or std::runtime_error
   // with Embree's message.
   explicit RayScene(const formats::TriangleMesh& mesh);

@@ -1,7 +1,9 @@
 #include "transport/windowing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -13,6 +15,9 @@ namespace {
 
 // Ten bands vary by half a period in 18°; neighbours of this lattice are 2° apart.
 constexpr int kLatticeSize = 8192;
+// Negative lobes as deep as the light is bright on the average. Of eight probes of outdoor and indoor scenes
+// only those with the sun in view ring that far.
+constexpr double kLoudRinging = -1;
 constexpr int kBisections = 50;  // of the logarithm of λ
 
 int orderOf(const ShLight& light) {
@@ -102,6 +107,21 @@ WindowedLight windowUntilPositive(const ShLight& light, double tolerance) {
     (suffices(middle) ? strong : weak) = middle;
   }
   return window(light, strong);
+}
+
+double minimumOverMean(const ShLight& light) {
+  const BandLuminance luminance(light);
+  return luminance.mean() > 0 ? luminance.minimum(0) / luminance.mean() : 0;
+}
+
+std::string ringingWarning(double minimum_over_mean, double lambda) {
+  if (minimum_over_mean >= kLoudRinging) return "";
+  std::array<char, 32> figure{};
+  std::snprintf(figure.data(), figure.size(), "%.2g", minimum_over_mean);
+  return "the light rings: its luminance falls to " + std::string(figure.data()) +
+         " times its mean, far below zero, so surfaces that face there turn too dark or black; " +
+         (lambda > 0 ? "a stronger \"windowing\"" : "\"windowing\": 0.01, or \"auto\"") +
+         " softens it, and so does a larger sun or lamp, or a higher order";
 }
 
 }  // namespace bakelight::transport

@@ -2,6 +2,8 @@
 // + λ · squared Laplacian (Sloan 2008, "Stupid Spherical Harmonics Tricks"; Rahman & Ravi).
 #pragma once
 
+#include <string>
+
 #include "transport/lights.h"
 
 namespace bakelight::transport {
@@ -17,5 +19,13 @@ WindowedLight window(const ShLight& light, double lambda);
 // The least λ for which the luminance reconstructed over the sphere (on a fixed lattice) stays above
 // −tolerance × its mean.
 WindowedLight windowUntilPositive(const ShLight& light, double tolerance = 0.02);
+
+// The least luminance that the coefficients make of the light over the sphere (on a fixed lattice of 8192
+// directions), over the mean: below zero where the light rings. 0 for light that is black or darkens on the
+// whole.
+double minimumOverMean(const ShLight& light);
+// What to tell the user of a light with that minimum, after a window of strength `lambda`: nothing unless it
+// rings so far below zero that surfaces turn black where they should not.
+std::string ringingWarning(double minimum_over_mean, double lambda);
 
 }  // namespace bakelight::transport

@@ -36,22 +36,23 @@ Arguments parse(int argc, char** argv, int first) {
   const auto path = [](std::filesystem::path& value) -> Assign {
     return [&value](const std::string& word) { value = word; };
   };
-  const std::map<std::string, Assign> options = {{"--environment", path(lights.environment_path)},
-                                                 {"--lights", path(lights.rig_path)},
-                                                 {"--windowing", real(lights.windowing)},
-                                                 {"--cube-resolution", integer(lights.cube_resolution)},
-                                                 {"--width", integer(settings.width_px)},
-                                                 {"--height", integer(settings.height_px)},
-                                                 {"--supersampling", integer(settings.supersampling)},
-                                                 {"--yaw-deg", real(settings.yaw_deg)},
-                                                 {"--pitch-deg", real(settings.pitch_deg)},
-                                                 {"--distance", real(settings.distance)},
-                                                 {"--light-yaw-deg", real(settings.light_yaw_deg)},
-                                                 {"--light-pitch-deg", real(settings.light_pitch_deg)},
-                                                 {"--object-yaw-deg", real(settings.object_yaw_deg)},
-                                                 {"--object-pitch-deg", real(settings.object_pitch_deg)},
-                                                 {"--time-s", real(settings.time_s)},
-                                                 {"--exposure-ev", real(settings.exposure_ev)}};
+  const std::map<std::string, Assign> options = {
+      {"--environment", path(lights.environment_path)},
+      {"--lights", path(lights.rig_path)},
+      {"--windowing", [&](const std::string& word) { lights.windowing = std::stod(word); }},
+      {"--cube-resolution", integer(lights.cube_resolution)},
+      {"--width", integer(settings.width_px)},
+      {"--height", integer(settings.height_px)},
+      {"--supersampling", integer(settings.supersampling)},
+      {"--yaw-deg", real(settings.yaw_deg)},
+      {"--pitch-deg", real(settings.pitch_deg)},
+      {"--distance", real(settings.distance)},
+      {"--light-yaw-deg", real(settings.light_yaw_deg)},
+      {"--light-pitch-deg", real(settings.light_pitch_deg)},
+      {"--object-yaw-deg", real(settings.object_yaw_deg)},
+      {"--object-pitch-deg", real(settings.object_pitch_deg)},
+      {"--time-s", real(settings.time_s)},
+      {"--exposure-ev", real(settings.exposure_ev)}};
   for (int i = first; i < argc; i += 2) {
     const auto option = options.find(argv[i]);
     if (option == options.end() || i + 1 == argc) throw std::invalid_argument(kUsage);

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "transport/frame.h"
@@ -33,7 +34,7 @@ struct PlayerComparison {
 // What shines: files and the parameters that go with them.
 struct PlayerLights {
   std::filesystem::path environment_path = {}, rig_path = {};  // both empty: the default light
-  double windowing = 0;
+  std::optional<double> windowing;
   int cube_resolution = 64;
 };
 

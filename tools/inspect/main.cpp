@@ -24,13 +24,15 @@ int main(int argc, char** argv) {
       .parameter("layout", layout, inspect::layoutNames(),
                  "Of a mesh's or pack's preview: the model, or its texture coordinates in the unit square");
 
-  return tool.run(argc, argv, [&](stage::Run&) {
+  return tool.run(argc, argv, [&](stage::Run& run) {
     options.paint = inspect::paintOf(paint);
     options.layout = inspect::layoutOf(layout);
     const bool draws = !preview_path.empty();
     const inspect::Inspection inspection =
         inspect::inspectFile(file_path, draws ? std::optional(options) : std::nullopt);
     if (draws) formats::writePng(preview_path, inspection.preview->image);
+    // Of a stage that draws, the driver wants the picture: its log is not for summaries.
+    if (draws && run.progressStyle() == stage::ProgressStyle::kJson) return;
     std::cout << (format == "json" ? inspect::asJson(inspection.summary).dump(2) + "\n"
                                    : inspect::asText(inspection.summary));
   });

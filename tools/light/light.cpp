@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "transport/directions.h"
+#include "transport/windowing.h"
 
 namespace bakelight::light {
 namespace {
@@ -18,7 +17,6 @@ using formats::Float3;
 using transport::ShLight;
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kLatticeSize = 8192;
 constexpr double kLargestMovedEnergy = 0.5;  // beyond this the light looks like another one
 const std::array<const char*, std::variant_size_v<formats::DistantLight>> kTypeNames = {
     "environment", "disk", "polygon", "directional", "sky"};
@@ -36,18 +34,9 @@ Float3 reconstruct(const ShLight& light, int order, const transport::Vec3& direc
   return {static_cast<float>(radiance[0]), static_cast<float>(radiance[1]), static_cast<float>(radiance[2])};
 }
 
-double minimumOverMean(const ShLight& light, int order, const Float3& mean_radiance) {
-  const double mean = transport::luminance(mean_radiance);
-  if (!(mean > 0)) return 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (const transport::Vec3& direction : transport::sphereDirections(kLatticeSize))
-    least = std::min(least, transport::luminance(reconstruct(light, order, direction)));
-  return least / mean;
-}
-
 }  // namespace
 
-LightFigures figuresOf(const formats::LightRig& rig, const ShLight& light, int order) {
+LightFigures figuresOf(const formats::LightRig& rig, const ShLight& light) {
   LightFigures figures;
   double total = 0;
   for (const formats::DistantLight& distant : rig.distant) {
@@ -58,7 +47,7 @@ LightFigures figuresOf(const formats::LightRig& rig, const ShLight& light, int o
   }
   for (LightShare& share : figures.lights) share.energy_share = total > 0 ? share.energy_share / total : 0;
   figures.mean_radiance = times(light.at(0), 1 / std::sqrt(4 * kPi));
-  figures.minimum_over_mean = minimumOverMean(light, order, figures.mean_radiance);
+  figures.minimum_over_mean = transport::minimumOverMean(light);
   return figures;
 }
 
@@ -107,6 +96,8 @@ void report(const transport::RigLight& light, const LightFigures& figures, std::
   run.stat("minimum_luminance_over_mean", figures.minimum_over_mean);
   if (figures.lights.empty())
     run.warn("no distant light: the coefficients are zero; emitters are near field");
+  const std::string ringing = transport::ringingWarning(figures.minimum_over_mean, light.window);
+  if (!ringing.empty()) run.warn(ringing);
   if (light.moved_energy > kLargestMovedEnergy)
     run.warn("the window took away " + std::to_string(std::lround(100 * light.moved_energy)) +
              "% of the light's variation: a number for \"windowing\" below " +

@@ -26,7 +26,7 @@ struct LightFigures {
   // no light.
   double minimum_over_mean = 0;
 };
-LightFigures figuresOf(const formats::LightRig& rig, const transport::ShLight& light, int order);
+LightFigures figuresOf(const formats::LightRig& rig, const transport::ShLight& light);
 
 // Tensor "light", F32, order² × RGB; with order, basis, window and moved_energy as metadata.
 formats::TensorFile tensorFile(const transport::RigLight& light, int order);

@@ -21,10 +21,11 @@ int main(int argc, char** argv) {
 
   return tool.run(argc, argv, [&](stage::Run& run) {
     const formats::LightRig rig = formats::readLightRig(rig_path);
+    for (const std::string& note : formats::notesOn(rig)) run.warn(note);
     const transport::RigLight light = transport::distantLight(rig, order);
     if (!light_path.empty()) formats::writeSafetensors(light_path, light::tensorFile(light, order));
     if (!preview_path.empty())
       formats::writeExr(preview_path, light::preview(light, order), formats::ExrPrecision::kFloat);
-    light::report(light, light::figuresOf(rig, light.light, order), rig.emitters.size(), run);
+    light::report(light, light::figuresOf(rig, light.light), rig.emitters.size(), run);
   });
 }

@@ -1,6 +1,8 @@
 // player: shows a pack under its lights, in a window or as one picture.
 #include <spdlog/spdlog.h>
 
+#include <utility>
+
 #include "formats/light_rig_file.h"
 #include "formats/pack.h"
 #include "tools/player/controls.h"
@@ -10,6 +12,7 @@
 #include "tools/player/window.h"
 #include "tools/stage/frame_options.h"
 #include "tools/stage/stage.h"
+#include "transport/windowing.h"
 
 using namespace bakelight;
 
@@ -25,9 +28,14 @@ int main(int argc, char** argv) {
         headless ? player::encodingFor(options.image_path) : player::PictureEncoding::kDisplay;
     const formats::FrameSettings settings = stage::finishedSettings(options.settings, options.background);
     const formats::Pack pack = formats::readPack(options.pack_path);
-    transport::Lighting lighting = transport::lightingFor(
-        formats::readLights(options.environment_path, options.lights_path, options.windowing),
-        pack.transfer.order, options.lights_path.string());
+    formats::LightRig rig =
+        formats::readLights(options.environment_path, options.lights_path, options.windowing);
+    for (const std::string& note : formats::notesOn(rig)) run.warn(note);
+    transport::Lighting lighting =
+        transport::lightingFor(std::move(rig), pack.transfer.order, options.lights_path.string());
+    const std::string ringing =
+        transport::ringingWarning(transport::minimumOverMean(lighting.distant), lighting.window);
+    if (!ringing.empty()) run.warn(ringing);
     lighting.cube_resolution = options.cube_resolution;
     if (!headless) return player::playInWindow(pack, lighting, settings);
 

@@ -14,9 +14,10 @@ void declareOptions(stage::Tool& tool, Options& options) {
       .output("image", "image", options.image_path,
               "write one frame (.png, or .exr with linear radiance), no window", false);
   stage::declareFrame(tool, settings, options.background);
-  tool.parameter(
-          "windowing", options.windowing, {-1, 1e9}, "",
-          "window against ringing of distant light: 0 the rig's own, -1 just enough, else its strength")
+  tool.parameter("windowing", options.windowing, {{"rig", std::nullopt}, {"auto", -1}, {"none", 0}},
+                 {-1, 1e9},
+                 "strength of the window against ringing of distant light; rig: as the rig says, auto or -1: "
+                 "just enough, none or 0: no window")
       .parameter("cube_resolution", options.cube_resolution, {4, 1024}, "px",
                  "edge of the cube map that emitters are drawn into")
       .parameter("auto_exposure", settings.auto_exposure, "bring the lights' mean radiance to a middle value")

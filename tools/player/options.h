@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "formats/pack.h"
@@ -16,7 +17,7 @@ struct Options {
   std::filesystem::path pack_path, environment_path, lights_path, image_path;
   formats::FrameSettings settings;
   std::string background = "environment";
-  double windowing = 0;
+  std::optional<double> windowing;  // none: as the rig says
   int cube_resolution = 64;
 };
 

@@ -54,9 +54,10 @@ int main(int argc, char** argv) {
     std::optional<transport::BoundingSphere> bounds;
     if (!framing_path.empty())
       bounds = reference::boundsFromMetadata(formats::readImageMetadata(framing_path), framing_path.string());
-    const reference::Reference result = reference::makeReference(
-        formats::readPack(pack_path), formats::readLights(environment_path, lights_path), options, bounds,
-        run.progressStyle());
+    const formats::LightRig rig = formats::readLights(environment_path, lights_path);
+    for (const std::string& note : formats::notesOn(rig)) run.warn(note);
+    const reference::Reference result =
+        reference::makeReference(formats::readPack(pack_path), rig, options, bounds, run.progressStyle());
     formats::writeExr(image_path, result.picture.image, formats::ExrPrecision::kFloat, result.metadata);
     reference::reportStats(run, result.picture, options);
   });

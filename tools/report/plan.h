@@ -24,7 +24,7 @@ struct PlanFile {
 struct PlanView {
   std::string name, light, camera;
   std::filesystem::path environment_path, lights_path;  // as formats::readLights; may be empty
-  double windowing = 0;
+  std::optional<double> windowing;                      // of formats::readLights
   formats::FrameSettings frame;
   PlanFile reference;
 };

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "formats/image.h"
@@ -19,7 +20,9 @@ struct Sources {
   std::function<formats::Image(const std::filesystem::path&)> image;
   std::function<std::map<std::string, std::string>(const std::filesystem::path&)> image_metadata;
   // Of formats::readLights: environment, rig, windowing.
-  std::function<formats::LightRig(const std::filesystem::path&, const std::filesystem::path&, double)> lights;
+  std::function<formats::LightRig(const std::filesystem::path&, const std::filesystem::path&,
+                                  std::optional<double>)>
+      lights;
 };
 
 // The files themselves. formats::read… throw.

@@ -9,6 +9,7 @@
 #include "tools/simplify/report.h"
 #include "tools/simplify/simplify.h"
 #include "tools/stage/stage.h"
+#include "transport/ray_scene.h"
 
 int main(int argc, char** argv) {
   using namespace bakelight;
@@ -37,6 +38,7 @@ int main(int argc, char** argv) {
       .parameter(
           "double_sided", double_sided,
           "Give parts with an open border a back of their own, so that it is lit as such; doubles them");
+  tool.executionPath(transport::RayScene::executionPath);  // distances are measured with Embree, too
   return tool.run(argc, argv, [&](stage::Run& run) {
     formats::MeshImport imported = formats::importMesh(mesh_path);
     for (const std::string& note : imported.notes) run.warn(note);

@@ -14,6 +14,7 @@
 #include <chrono>
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -268,6 +269,19 @@ Tool& Tool::parameter(const std::string& name, std::string& value, std::vector<s
   return *this;
 }
 
+Tool& Tool::parameter(const std::string& name, std::optional<double>& value, const Words& words, Range range,
+                      const std::string& help) {
+  ParameterDescription description =
+      withRange(describe(name, ParameterType::kReal, words.at(0).first, "", help), range);
+  for (const auto& [word, meaning] : words) description.choices.push_back(word);
+  implementation_->add(std::move(description), [&value, words](const Json& json) {
+    if (!json.is_string()) return static_cast<void>(value = json.get<double>());
+    for (const auto& [word, meaning] : words)
+      if (json == word) value = meaning;
+  });
+  return *this;
+}
+
 Tool& Tool::executionPath(std::function<std::string()> describe_path) {
   implementation_->execution_path = std::move(describe_path);
   return *this;
@@ -311,6 +325,19 @@ class CommandLine {
   void parse(int argc, char** argv) { app_.parse(argc, argv); }
   int exit(const CLI::ParseError& outcome) const { return app_.exit(outcome); }
   const CommonOptions& common() const { return common_; }
+
+  // What the first option that there is not comes nearest to; "" if nothing does.
+  std::string nearestOption(int argc, char** argv) const {
+    std::vector<std::string> known;
+    for (const CLI::Option* option : app_.get_options())
+      for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+    for (int i = 1; i < argc; ++i) {
+      const std::string word = argv[i], stem = word.substr(0, word.find('='));
+      if (stem.starts_with("--") && std::find(known.begin(), known.end(), stem) == known.end())
+        return formats::nearestName(stem, known);
+    }
+    return "";
+  }
 
   // Parameter file first, then the command line, which wins.
   void assignParameters(const formats::ToolDescription& description) const {
@@ -415,8 +442,10 @@ int runGuarded(const std::string& tool, bool as_json, const std::function<void()
 }
 
 void logToStandardError(const std::string& tool) {
-  spdlog::set_default_logger(
-      std::make_shared<spdlog::logger>(tool, std::make_shared<spdlog::sinks::stderr_color_sink_mt>()));
+  auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
+  const char* no_color = std::getenv("NO_COLOR");  // no-color.org
+  if (no_color != nullptr && *no_color != '\0') sink->set_color_mode(spdlog::color_mode::never);
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>(tool, std::move(sink)));
   spdlog::set_pattern("%n: %^%l%$: %v");
 }
 
@@ -432,7 +461,9 @@ int Tool::run(int argc, char** argv, const std::function<void(Run&)>& body) {
   } catch (const CLI::Success& help_or_version) {
     return command_line.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
-    const Error usage(ExitStatus::kUsage, {}, error.what(), "", tool.name + " --help for what there is");
+    const std::string meant = command_line.nearestOption(argc, argv);
+    const Error usage(ExitStatus::kUsage, {}, error.what(), "",
+                      meant.empty() ? tool.name + " --help for what there is" : meant);
     return report(tool.name, usage, reportsAsJson(common));
   }
 

@@ -17,7 +17,9 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "formats/json.h"
@@ -75,6 +77,12 @@ class Tool {
   Tool& parameter(const std::string& name, formats::Float3& value, Range range, const std::string& unit,
                   const std::string& help);
   Tool& parameter(const std::string& name, std::string& value, std::vector<std::string> choices,
+                  const std::string& help);
+
+  // A number, or one of the words: each stands for what it is paired with. The default is the first word, so
+  // `value` must hold what that stands for.
+  using Words = std::vector<std::pair<std::string, std::optional<double>>>;
+  Tool& parameter(const std::string& name, std::optional<double>& value, const Words& words, Range range,
                   const std::string& help);
 
   // See ToolDescription::execution_path. Evaluated for --describe only.

@@ -7,6 +7,7 @@
 #include "formats/mesh_ply.h"
 #include "tools/stage/stage.h"
 #include "tools/survey/survey.h"
+#include "transport/ray_scene.h"
 
 using namespace bakelight;
 
@@ -29,9 +30,12 @@ int main(int argc, char** argv) {
       .parameter("samples", options.samples, {64, 1e8}, "points",
                  "On the surface, where the figures are sampled; standard errors fall with the square root");
 
+  tool.executionPath(transport::RayScene::executionPath);
+
   return tool.run(argc, argv, [&](stage::Run& run) {
     options.lobe = lobes.at(lobe);
     const formats::TriangleMesh mesh = formats::readPly(mesh_path);
+    transport::requireTraceableScale(mesh, mesh_path.string());
     survey::Survey result;
     try {
       result = survey::survey(mesh, options);

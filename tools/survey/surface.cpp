@@ -84,7 +84,7 @@ SurfacePoint Surface::pointAt(double along, double u, double v) const {
   // Rounding may lead past the end, and to triangles without an area there.
   auto triangle = static_cast<std::uint32_t>(
       std::min<std::ptrdiff_t>(found - area_up_to_.begin(), std::ssize(area_up_to_) - 1));
-  while (across(triangle).isZero()) --triangle;
+  while (!(across(triangle).norm() > 0)) --triangle;
   const double root = std::sqrt(u);
   return pointOn(triangle, root * (1 - v), root * v, false);
 }

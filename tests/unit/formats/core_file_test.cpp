@@ -1,5 +1,6 @@
 #include "formats/file.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -24,6 +25,19 @@ TEST(File, ComesBackAsWritten) {
   EXPECT_EQ(readTextFile(folder / "deep/er/file.bin"), text);
   writeFileAtomically(folder / "deep/er/file.bin", "");
   EXPECT_EQ(readTextFile(folder / "deep/er/file.bin"), "");
+}
+
+TEST(File, WholeFileIsHeldOnce) {
+  const TemporaryFolder folder;
+  writeFileAtomically(folder / "file", std::string(300'000, 'x'));
+  const Bytes bytes = readFile(folder / "file");
+  EXPECT_EQ(bytes.size(), 300'000U);
+  EXPECT_EQ(bytes.capacity(), bytes.size());
+}
+
+TEST(File, FilesThatStateNoSizeComeWhole) {
+  EXPECT_THAT(readTextFile("/proc/self/status"), testing::HasSubstr("VmPeak"));
+  EXPECT_TRUE(readFile("/dev/null").empty());
 }
 
 TEST(File, MissingFileAndFolderAreNamed) {

@@ -28,7 +28,7 @@ TEST(Light, SharesAddUpAndNameTheirLights) {
   const auto rig = rigOf({formats::DiskLight{.half_angle_deg = 20, .radiance = {2, 2, 2}},
                           formats::DirectionalLight{.irradiance = {0.5F, 0.5F, 0.5F}}});
   const auto light = transport::distantLight(rig, 4);
-  const LightFigures figures = figuresOf(rig, light.light, 4);
+  const LightFigures figures = figuresOf(rig, light.light);
   ASSERT_EQ(figures.lights.size(), 2u);
   const double disk = 2 * 2 * kPi * (1 - std::cos(half_angle));
   EXPECT_EQ(figures.lights[0].type, "disk");
@@ -42,7 +42,7 @@ TEST(Light, SharesAddUpAndNameTheirLights) {
 
 TEST(Light, MinimumTellsOfRinging) {
   const auto minimum = [](const formats::LightRig& rig) {
-    return figuresOf(rig, transport::distantLight(rig, 5).light, 5).minimum_over_mean;
+    return figuresOf(rig, transport::distantLight(rig, 5).light).minimum_over_mean;
   };
   const formats::DirectionalLight sun;
   EXPECT_LT(minimum(rigOf({sun})), -1);
@@ -118,6 +118,28 @@ TEST_F(LightTool, PointsIntoABadRig) {
   EXPECT_THAT(messages(), testing::HasSubstr("/lights/0/turbidty"));
   EXPECT_THAT(messages(), testing::HasSubstr("turbidity"));
   EXPECT_EQ(folder_.entryCount(), 2u);  // the rig and the messages
+}
+
+TEST_F(LightTool, TellsOfLightThatRingsFarBelowZero) {
+  formats::Image sun(64, 32, {"R", "G", "B"});
+  for (std::size_t c = 0; c < 3; ++c) sun.texel(20, 8)[c] = 1e5F;
+  formats::writeExr(folder_ / "sun.exr", sun, formats::ExrPrecision::kFloat);
+  const std::string lights = R"({"lights": [{"type": "environment", "image": "sun.exr"}])";
+  formats::writeFileAtomically(folder_ / "rig.json", lights + "}");
+  ASSERT_EQ(run("--rig rig.json --light l.safetensors"), 0) << messages();
+  EXPECT_THAT(messages(), testing::AllOf(testing::HasSubstr("rings"), testing::HasSubstr("windowing")));
+
+  formats::writeFileAtomically(folder_ / "rig.json", lights + R"(, "windowing": "auto"})");
+  ASSERT_EQ(run("--rig rig.json --light l.safetensors"), 0) << messages();
+  EXPECT_THAT(messages(), testing::Not(testing::HasSubstr("rings:")));
+}
+
+TEST_F(LightTool, DecodesAnEightBitPictureAndSaysSo) {
+  const std::string sky = std::string(BAKELIGHT_SOURCE_DIR) + "/tests/cases/hdr/sky_8_bit.png";
+  formats::writeFileAtomically(folder_ / "rig.json",
+                               R"({"lights": [{"type": "environment", "image": ")" + sky + "\"}]}");
+  ASSERT_EQ(run("--rig rig.json --light l.safetensors"), 0) << messages();
+  EXPECT_THAT(messages(), testing::HasSubstr("8-bit"));
 }
 
 TEST_F(LightTool, WarnsOfARigOfEmittersOnly) {

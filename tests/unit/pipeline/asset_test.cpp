@@ -143,6 +143,18 @@ TEST(Asset, MissingProbeOfTheDataFolderSaysHowToGetIt) {
                                 HasSubstr("make assets"))));
 }
 
+TEST(Asset, WrongPathIsOneMistake) {
+  Workshop workshop;
+  workshop.disk.write("assets/cube/asset.json", R"({"mesh": "cueb.obj"})");
+  try {
+    workshop.graph();
+    FAIL() << "no error";
+  } catch (const ProblemsFound& found) {
+    ASSERT_EQ(found.errors().size(), 1U) << found.errors().back().paragraph();
+    EXPECT_THAT(found.errors().front().paragraph(), HasSubstr("cueb.obj"));
+  }
+}
+
 TEST(Asset, MeshIsRequired) {
   Workshop workshop;
   workshop.writeAssetFile("cube", nlohmann::json::object());

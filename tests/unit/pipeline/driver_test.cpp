@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -179,6 +180,28 @@ TEST_F(Driver, GraphAndToolsAndDryRun) {
   EXPECT_EQ(json["stages"][0]["parameters"]["level"], 1);
   EXPECT_THAT(run("tools").output, HasSubstr("level = 1"));
   EXPECT_EQ(run("run cube --dry-run").output, "cube copy: would run: never run\n");
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST_F(Driver, MistypedWordsGetASuggestion) {
+  for (const auto& [words, meant] :
+       std::vector<std::pair<std::string, std::string>>{{"rnu cube", "\"run\""},
+                                                        {"run cube --outt o", "\"--out\""},
+                                                        {"baseline chek cube", "\"check\""}}) {
+    const Ended ended = run(words);
+    EXPECT_EQ(ended.status, 1) << words;
+    EXPECT_THAT(ended.output, HasSubstr("Try: " + meant)) << words;
+  }
+}
+
+TEST_F(Driver, NumbersOutOfRangeAreRefusedAsTheyWereWritten) {
+  for (const std::string option : {"--threads", "--jobs"})
+    for (const std::string value : {"-3", "1e9", "abc", "''", "99999999999999999999"}) {
+      const Ended ended = run("run cube " + option + "=" + value);
+      EXPECT_EQ(ended.status, 1) << option << " " << value;
+      EXPECT_THAT(ended.output, HasSubstr(option)) << value;
+      EXPECT_THAT(ended.output, Not(HasSubstr("18446744073709551613")));
+    }
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
 

@@ -123,6 +123,12 @@ TEST_F(PlayerTool, RigAndEnvironmentAddUpAndSayWhatTheWindowTook) {
   const formats::Json stats = formats::readJson(folder_ / "stats.json")["stats"];
   EXPECT_EQ(stats["window"], 0.02);
   EXPECT_GT(stats["moved_energy"].get<double>(), 0);
+  write("windowed.json", R"({"lights": [{"type": "disk", "half_angle_deg": 20}], "windowing": 0.02})");
+  for (const auto& [words, window] : std::vector<std::pair<std::string, double>>{
+           {"", 0.02}, {" --windowing rig", 0.02}, {" --windowing none", 0}, {" --windowing 0", 0}}) {
+    ASSERT_EQ(play(frame + "--lights windowed.json --image d.png --stats d.json" + words).status, 0) << words;
+    EXPECT_EQ(formats::readJson(folder_ / "d.json")["stats"]["window"], window) << words;
+  }
   EXPECT_EQ(stats["storage"], "none");
   EXPECT_EQ(stats["precision"], "float32");
   EXPECT_FALSE(stats.contains("cube_ms"));

@@ -93,7 +93,7 @@ Json MadeReport::addPicture(const std::string& name, const formats::Pack& pack, 
   const Json& view_json = json["views"][view];
   const formats::FrameSettings frame = formats::frameSettingsFromJson(view_json["frame"], "made", "");
   formats::LightRig rig;
-  if (view == 0) rig.distant.push_back(formats::EnvironmentLight{"sky.exr", images.at("sky.exr"), 0, 1});
+  if (view == 0) rig.distant.push_back(formats::EnvironmentLight{"sky.exr", images.at("sky.exr")});
   const transport::Lighting lighting = transport::lightingFor(rig, pack.transfer.order, "made");
   const transport::OrbitCamera camera = transport::frameCamera(frame, transport::boundingSphere(pack.mesh));
   const formats::Image clean = render(pack, lighting, frame, camera);
@@ -163,17 +163,18 @@ report::Plan MadeReport::plan() const {
 
 report::Sources MadeReport::sources() const {
   const auto image = [this](const std::filesystem::path& path) { return images.at(path.string()); };
-  return {[this](const std::filesystem::path& path) { return packs.at(path.string()); },
-          [this](const std::filesystem::path& path) {
-            return formats::encodePack(packs.at(path.string()), {}, path.string()).size();
-          },
-          image, [this](const std::filesystem::path& path) { return metadata.at(path.string()); },
-          [image](const std::filesystem::path& environment, const std::filesystem::path&, double) {
-            formats::LightRig rig;
-            if (!environment.empty())
-              rig.distant.push_back(formats::EnvironmentLight{environment, image(environment), 0, 1});
-            return rig;
-          }};
+  return {
+      [this](const std::filesystem::path& path) { return packs.at(path.string()); },
+      [this](const std::filesystem::path& path) {
+        return formats::encodePack(packs.at(path.string()), {}, path.string()).size();
+      },
+      image, [this](const std::filesystem::path& path) { return metadata.at(path.string()); },
+      [image](const std::filesystem::path& environment, const std::filesystem::path&, std::optional<double>) {
+        formats::LightRig rig;
+        if (!environment.empty())
+          rig.distant.push_back(formats::EnvironmentLight{environment, image(environment)});
+        return rig;
+      }};
 }
 
 std::filesystem::path MadeReport::write(const std::filesystem::path& folder) const {

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "formats/error.h"
 #include "formats/json.h"
 #include "formats/mesh_ply.h"
 #include "formats/stage_record.h"
@@ -41,6 +42,28 @@ TEST(Survey, ConvexBodyNeedsNoRays) {
       EXPECT_EQ(estimate.standard_error, 0);
     }
     EXPECT_EQ(result.largest_blocked_share, 0);
+  }
+}
+
+TEST(Survey, SameFiguresAtEveryScale) {
+  const TriangleMesh mesh = cavity(0.2, 12, 24);
+  const Survey expected = survey(mesh, {.albedo = gray(0.5), .samples = 256});
+  ASSERT_GT(expected.blocked_share.value, 0.5);
+  for (const double scale : {1e-14, 1e-10, 1e-6, 1e6, 1e10, 5e14}) {
+    TriangleMesh other = mesh;
+    for (auto& position : other.positions) position = float3(scale * vec3(position));
+    const Survey result = survey(other, {.albedo = gray(0.5), .samples = 256});
+    EXPECT_NEAR(result.concavity, expected.concavity, 1e-5) << scale;
+    EXPECT_NEAR(result.blocked_share.value, expected.blocked_share.value, 2e-3) << scale;
+    EXPECT_NEAR(result.bounce_energy.value, expected.bounce_energy.value, 2e-3) << scale;
+  }
+}
+
+TEST(Survey, ScalesThatFloatsDoNotReachAreRefused) {
+  for (const double scale : {1e-18, 1e18, 1e30}) {
+    TriangleMesh mesh = cavity(0.2, 12, 24);
+    for (auto& position : mesh.positions) position = float3(scale * vec3(position));
+    EXPECT_THROW(survey(mesh, {.albedo = gray(0.5), .samples = 64}), Error) << scale;
   }
 }
 

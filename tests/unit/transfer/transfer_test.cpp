@@ -5,8 +5,10 @@
 
 #include <Eigen/Geometry>
 
+#include "formats/error.h"
 #include "tests/support/shapes.h"
 #include "tests/unit/transfer/bake.h"
+#include "tools/transfer/transfer_file.h"
 #include "transport/sh.h"
 
 namespace bakelight::transfer {
@@ -32,6 +34,17 @@ std::vector<double> unshadowedVector(int order, const Vec3& normal) {
   for (int l = 0; l < order; ++l)
     for (int i = l * l; i < (l + 1) * (l + 1); ++i) vector[i] *= factors[l] / kPi;
   return vector;
+}
+
+TEST(BakeableMesh, NormalWithoutUnitLengthIsNamed) {
+  const std::string file = std::string(BAKELIGHT_SOURCE_DIR) + "/tests/cases/far/huge_normal.ply";
+  try {
+    readBakeableMesh(file);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.place().file, file);
+    EXPECT_EQ(error.place().element, "vertex 3");
+  }
 }
 
 class TransferOrder : public testing::TestWithParam<int> {};

@@ -32,6 +32,29 @@ TEST(RayScene, OccludedMatchesTheGeometry) {
   EXPECT_NEAR(hits / 1001.0, 1 / 6.0, 0.01);
 }
 
+TEST(RayScene, HitsAreTheSameAtEveryScale) {
+  for (const float scale : {1e-14F, 1e-9F, 1.0F, 1e9F, 5e14F}) {
+    formats::TriangleMesh mesh = unitSquareAtHeightOne();
+    for (auto& position : mesh.positions)
+      for (float& value : position) value *= scale;
+    const RayScene scene(mesh);
+    const Hit hit = scene.nearestHit(Vec3(0.25, -1, 0.5) * scale, {0, 1, 0});
+    ASSERT_TRUE(hit.valid) << scale;
+    EXPECT_NEAR(hit.distance / scale, 2, 1e-5) << scale;
+    EXPECT_TRUE(scene.occluded(Vec3(0.25, -1, 0.5) * scale, {0, 1, 0}, 2.1F * scale)) << scale;
+    EXPECT_FALSE(scene.occluded(Vec3(0.25, -1, 0.5) * scale, {0, 1, 0}, 1.9F * scale)) << scale;
+    RayBundle up;
+    up.push({0, 1, 0});
+    HitBundle hits(1);
+    scene.nearestHits({0, -scale, 0.25F * scale}, up, 0, 1, hits);
+    EXPECT_EQ(hits.blocked[0], 1) << scale;
+    EXPECT_NEAR(hits.distance[0] / scale, 2, 1e-5) << scale;
+    std::vector<std::uint8_t> blocked(1);
+    scene.occluded({0, -scale, 0.25F * scale}, up, 2.1F * scale, blocked);
+    EXPECT_EQ(blocked[0], 0) << scale;
+  }
+}
+
 TEST(RayScene, BothSidesBlockAndNearDistanceCounts) {
   const RayScene scene(unitSquareAtHeightOne());
   RayBundle bundle;
