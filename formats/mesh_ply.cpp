@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -11,6 +12,7 @@
 #include "formats/error.h"
 #include "formats/file.h"
 #include "formats/hash.h"
+#include "formats/json.h"
 #include "formats/materials.h"
 #include "formats/ply_header.h"
 #include "formats/ply_materials.h"
@@ -21,6 +23,8 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "values are copied into the file as they are in memory");
 
+// Rounding to float, and what exporters do with three decimals.
+constexpr double kNormalLengthTolerance = 1e-3;
 constexpr const char* kImportRemedy = "run the simplify tool on it first, which reads any mesh file";
 
 template <class T>
@@ -187,6 +191,17 @@ class PlyReader {
     return values;
   }
 
+  // One of length 1e29 would be taken at its word by all that follows.
+  Float3 unitLength(const Float3& normal, std::uint64_t row) const {
+    double squared = 0;
+    for (const float x : normal) squared += static_cast<double>(x) * x;
+    const double length = std::sqrt(squared);
+    if (std::abs(length - 1) <= kNormalLengthTolerance) return normal;
+    throw error("vertex " + std::to_string(row), "its normal has no unit length",
+                "length 1 to within " + Json(kNormalLengthTolerance).dump() + ", not " + Json(length).dump(),
+                "run the simplify tool on the mesh, which makes normals");
+  }
+
   void readVertices(const PlyElement& element, TriangleMesh& mesh) {
     std::size_t row_size = 0;
     for (const PlyProperty& property : element.properties) {
@@ -214,7 +229,7 @@ class PlyReader {
     for (std::uint64_t row = 0; row < element.count; ++row) {
       const std::byte* data = take(row_size, element, row);
       mesh.positions.push_back(floatsAt(data, *position, row, "position"));
-      if (normal) mesh.normals.push_back(floatsAt(data, *normal, row, "normal"));
+      if (normal) mesh.normals.push_back(unitLength(floatsAt(data, *normal, row, "normal"), row));
       if (texcoord) mesh.texcoords.push_back(floatsAt(data, *texcoord, row, "texture coordinate"));
       if (color) mesh.colors.push_back(floatsAt(data, *color, row, "colour"));
     }

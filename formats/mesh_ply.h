@@ -22,7 +22,8 @@ void writePly(const std::filesystem::path& path, const TriangleMesh& mesh);
 
 // Reads what writePly wrote, bit for bit and in the same order, and tolerates further properties and
 // elements. Throws Error(kBadInput) naming file and element: not a PLY, truncated, not little-endian binary,
-// an index out of range (of a material, too), a polygon, a position or normal that is not finite.
+// an index out of range (of a material, too), a polygon, a position that is not finite, a normal
+// that is not of unit length to within 0.1%.
 TriangleMesh readPly(const std::filesystem::path& path);
 
 // Pairs of vertices from the file's `element edge` (integers vertex1 and vertex2), as MeshLab and Blender

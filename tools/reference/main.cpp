@@ -56,8 +56,10 @@ int main(int argc, char** argv) {
       bounds = reference::boundsFromMetadata(formats::readImageMetadata(framing_path), framing_path.string());
     const formats::LightRig rig = formats::readLights(environment_path, lights_path);
     for (const std::string& note : formats::notesOn(rig)) run.warn(note);
+    const formats::Pack pack = formats::readPack(pack_path);
+    transport::requireTraceableScale(pack.mesh, pack_path.string());
     const reference::Reference result =
-        reference::makeReference(formats::readPack(pack_path), rig, options, bounds, run.progressStyle());
+        reference::makeReference(pack, rig, options, bounds, run.progressStyle());
     formats::writeExr(image_path, result.picture.image, formats::ExrPrecision::kFloat, result.metadata);
     reference::reportStats(run, result.picture, options);
   });

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <span>
 #include <utility>
 
+#include "formats/color_picture.h"
 #include "formats/error.h"
 #include "transport/color.h"
 
@@ -58,50 +60,50 @@ int wrapped(int i, int size, Wrap wrap) {
   return wrap == Wrap::kRepeat ? (i % size + size) % size : std::clamp(i, 0, size - 1);
 }
 
-// EXR and Radiance hold light, all others display codes. By the name of a file, by the first bytes of what
-// has none.
-bool isLinear(const formats::AlbedoTexture& texture) {
-  if (!texture.bytes.empty()) {
-    const std::string start(reinterpret_cast<const char*>(texture.bytes.data()),
-                            std::min<std::size_t>(texture.bytes.size(), 4));
-    return start == "\x76\x2f\x31\x01" || start.starts_with("#?");
-  }
-  std::string ending = texture.path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c); });
-  return ending == ".exr" || ending == ".hdr";
+// EXR and Radiance hold light, all others display codes: by the first bytes.
+bool isLinear(const formats::Bytes& picture) {
+  const std::string start(reinterpret_cast<const char*>(picture.data()),
+                          std::min<std::size_t>(picture.size(), 4));
+  return start == "\x76\x2f\x31\x01" || start.starts_with("#?");
+}
+
+// As R, G, B.
+Image linearPicture(const Image& image, bool linear, const std::string& name) {
+  std::array<int, 3> channels = {image.channelIndex("R"), image.channelIndex("G"), image.channelIndex("B")};
+  if (image.channelCount() <= 2) channels = {0, 0, 0};
+  if (image.channelCount() == 0 || *std::min_element(channels.begin(), channels.end()) < 0)
+    throw badInput({name, "", ""}, "has no colour", "channels R, G and B, or a single one");
+  Image albedo(image.width, image.height, {"R", "G", "B"});
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float value = image.texel(x, y)[channels[c]];
+        albedo.texel(x, y)[c] = linear ? value : transport::linearFromSrgb(value);
+      }
+  return albedo;
 }
 
 Image readPicture(const formats::AlbedoTexture& texture, const std::string& mesh_file) {
-  if (!texture.bytes.empty()) return formats::readImage(texture.bytes, texture.name);
+  if (!texture.bytes.empty())
+    return linearPicture(formats::readImage(texture.bytes, texture.name), isLinear(texture.bytes),
+                         texture.name);
   if (!std::filesystem::is_regular_file(texture.path))
     throw badInput({texture.path.string(), "", ""}, "there is no such file",
                    "the picture that gives " + mesh_file + " its albedo", kOwnTextureRemedy);
-  return formats::readImage(texture.path);
+  return formats::readColorPicture(texture.path, formats::PictureUse::kReflectance).image;
 }
 
 }  // namespace
 
 Image readAlbedoTexture(const formats::AlbedoTexture& texture, const std::string& mesh_file,
                         std::vector<std::string>& notes) {
-  const Image image = readPicture(texture, mesh_file);
-  std::array<int, 3> channels = {image.channelIndex("R"), image.channelIndex("G"), image.channelIndex("B")};
-  if (image.channelCount() <= 2) channels = {0, 0, 0};
-  if (image.channelCount() == 0 || *std::min_element(channels.begin(), channels.end()) < 0)
-    throw badInput({texture.name, "", ""}, "has no colour", "channels R, G and B, or a single one");
-  const bool linear = isLinear(texture);
-  Image albedo(image.width, image.height, {"R", "G", "B"});
+  Image albedo = readPicture(texture, mesh_file);
   std::size_t outside = 0;
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) {
-      bool is_outside = false;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const float value = image.texel(x, y)[channels[c]];
-        is_outside |= value < 0 || value > 1;
-        albedo.texel(x, y)[c] = linear ? std::clamp(value, 0.0f, 1.0f) : transport::linearFromSrgb(value);
-      }
-      outside += is_outside;
-    }
+  for (std::size_t texel = 0; 3 * texel < albedo.values.size(); ++texel) {
+    const std::span<float> color(&albedo.values[3 * texel], 3);
+    outside += std::any_of(color.begin(), color.end(), [](float value) { return value < 0 || value > 1; });
+    for (float& value : color) value = std::clamp(value, 0.0F, 1.0F);
+  }
   if (outside > 0)
     notes.push_back(texture.name + ": " + std::to_string(outside) +
                     " texels are no albedo and were clamped to 0–1");

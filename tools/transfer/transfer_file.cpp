@@ -1,6 +1,5 @@
 #include "tools/transfer/transfer_file.h"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "formats/error.h"
@@ -15,9 +14,6 @@ using formats::Float3;
 using formats::Tensor;
 
 namespace {
-
-// Rounding to float, and what exporters do with three decimals.
-constexpr double kNormalLengthTolerance = 1e-3;
 
 std::uint64_t squared(int order) {
   return static_cast<std::uint64_t>(transport::coefficientCount(order));
@@ -117,13 +113,6 @@ formats::TriangleMesh readBakeableMesh(const std::filesystem::path& path) {
     throw badInput({path.string(), "", ""}, "has no normals", "properties nx, ny, nz at each vertex",
                    "run the mesh through simplify, which makes them");
   transport::requireTraceableScale(mesh, path.string());
-  for (std::size_t v = 0; v < mesh.normals.size(); ++v) {
-    const double length = transport::vec3(mesh.normals[v]).norm();
-    if (!(std::abs(length - 1) <= kNormalLengthTolerance))
-      throw badInput({path.string(), "vertex " + std::to_string(v), ""},
-                     "its normal has the length " + formats::Json(length).dump(), "a normal of unit length",
-                     "run the mesh through simplify, which makes normals");
-  }
   for (std::size_t v = 0; v < mesh.colors.size(); ++v)
     for (const float value : mesh.colors[v])
       if (!(value >= 0 && value <= 1))
