@@ -2,7 +2,10 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <span>
 
+#include "formats/file.h"
+#include "formats/gltf_uri.h"
 #include "formats/hash.h"
 #include "formats/json.h"
 
@@ -21,13 +24,19 @@ void collect(const Json& document, const char* section, const char* key, std::se
     }
 }
 
+bool isGltf(const fs::path& path) {
+  const std::string ending = formats::lowerEnding(path);
+  return ending == ".gltf" || ending == ".glb";
+}
+
 // Relative to the file that they stand in.
-std::set<std::string> companionsIn(const Json& document, const std::string& ending) {
+std::set<std::string> companionsIn(const std::string& content, bool is_gltf) {
   std::set<std::string> files;
-  if (ending == ".gltf") {  // glTF 2.0, 3.6.1.1 and 3.8.4
-    collect(document, "buffers", "uri", files);
-    collect(document, "images", "uri", files);
+  if (is_gltf) {
+    for (const fs::path& file : formats::gltfCompanions(std::as_bytes(std::span(content))))
+      files.insert(file.string());
   } else {  // docs/LIGHTS.md
+    const Json document = Json::parse(content, nullptr, false, /*ignore_comments=*/true);
     collect(document, "lights", "image", files);
     collect(document, "emitters", "mesh", files);
   }
@@ -37,14 +46,13 @@ std::set<std::string> companionsIn(const Json& document, const std::string& endi
 }  // namespace
 
 std::string hashWithCompanions(const fs::path& path, const Disk& disk, Memo& memo) {
-  const std::string own = memo.hashOf(path), ending = path.extension().string();
-  if (ending != ".gltf" && ending != ".json") return own;
+  const std::string own = memo.hashOf(path), ending = formats::lowerEnding(path);
+  if (!isGltf(path) && ending != ".json") return own;
   std::string all = own;
-  const Json document = Json::parse(disk.read(path), nullptr, false, /*ignore_comments=*/true);
-  for (const std::string& file : companionsIn(document, ending)) {
+  for (const std::string& file : companionsIn(disk.read(path), isGltf(path))) {
     const fs::path companion = path.parent_path() / file;
     // A mesh of a rig may have companions of its own; a rig cannot be one.
-    const bool nested = ending == ".json" && companion.extension() == ".gltf";
+    const bool nested = ending == ".json" && isGltf(companion);
     all += "\n" + file + " " +
            (!disk.isFile(companion) ? "missing"
             : nested                ? hashWithCompanions(companion, disk, memo)
