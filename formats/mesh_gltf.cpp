@@ -55,7 +55,8 @@ class GltfReader {
   void addMeshesWithoutNodes() {
     for (std::size_t i = 0; i < document_.count("meshes"); ++i) {
       const GltfValue mesh = document_.item("meshes", i);
-      for (const GltfPrimitive& primitive : *meshes_.get(i, mesh)) add(primitive, Transform{}, mesh);
+      const auto primitives = meshes_.get(i, mesh);
+      for (const GltfPrimitive& primitive : *primitives) add(primitive, Transform{}, mesh);
     }
   }
 

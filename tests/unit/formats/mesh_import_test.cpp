@@ -285,12 +285,13 @@ TEST_F(MeshImportTest, GltfColoursAreLight) {
   expectColor(colorAt(coded.mesh, {1, 0, 0}), {64 / 255.0F, 128 / 255.0F, 0});
 }
 
-TEST_F(MeshImportTest, ColoursOfSomeVerticesOnlyAreLeftOutAndNoted) {
+TEST_F(MeshImportTest, VerticesWithoutColourAreWhiteAndNoted) {
   const MeshImport read =
       import("a.gltf", coloredGltf(R"("componentType":5126,"type":"VEC3")", 36, kFloatColors, true));
   EXPECT_EQ(read.mesh.vertexCount(), 6U);
-  EXPECT_TRUE(read.mesh.colors.empty());
-  EXPECT_THAT(read.notes, testing::Contains(HasSubstr("colours were left out")));
+  expectColor(read.mesh.colors.at(0), {1, 0, 0.5F});
+  expectColor(read.mesh.colors.at(3), {1, 1, 1});
+  EXPECT_THAT(read.notes, testing::Contains(AllOf(HasSubstr("3 vertices"), HasSubstr("white"))));
 }
 
 TEST_F(MeshImportTest, ColoursOfOurOwnPlyAreTakenAsTheyAre) {
