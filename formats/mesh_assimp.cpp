@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -194,9 +196,24 @@ void leaveOutOurFormats(Assimp::Importer& importer) {
   }
 }
 
+// assimp reads a 3DS file that was cut short as far as it goes. Its first chunk is the whole file, and has
+// its length in bytes 2 to 5.
+void checkLengthOf3ds(const std::filesystem::path& path) {
+  const Bytes bytes = readFile(path);
+  std::uint32_t length = 0;
+  constexpr std::size_t kPlace = 2;
+  if (bytes.size() >= kPlace + sizeof length) std::memcpy(&length, bytes.data() + kPlace, sizeof length);
+  if (bytes.size() >= kPlace + sizeof length && length <= bytes.size()) return;
+  throw badInput(
+      {path.string(), "", ""},
+      "the file has " + std::to_string(bytes.size()) + " bytes, its header says " + std::to_string(length),
+      "as many bytes as the header says", "copy or export the file again, it was probably cut short");
+}
+
 }  // namespace
 
 MeshParts readWithAssimp(const std::filesystem::path& path) {
+  if (lowerEnding(path) == ".3ds") checkLengthOf3ds(path);
   Assimp::Importer importer;
   leaveOutOurFormats(importer);
   const auto unreadable = [&](const std::string& why) {
