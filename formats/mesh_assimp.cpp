@@ -7,7 +7,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "formats/assimp_materials.h"
@@ -210,10 +212,30 @@ void checkLengthOf3ds(const std::filesystem::path& path) {
       "as many bytes as the header says", "copy or export the file again, it was probably cut short");
 }
 
+// assimp 5.2 never returns from a COLLADA index list with anything but digits in it.
+void checkIndicesOfCollada(const std::filesystem::path& path) {
+  const std::string text = readTextFile(path);
+  constexpr std::string_view kLists[] = {"p", "h", "v", "vcount"};
+  for (std::size_t open = text.find('<'); open != std::string::npos; open = text.find('<', open + 1)) {
+    const std::size_t name_end = text.find_first_of(" \t\r\n>/", open + 1);
+    const std::size_t close = text.find('>', open);
+    if (name_end == std::string::npos || close == std::string::npos || text[close - 1] == '/') continue;
+    const std::string_view name(&text[open + 1], name_end - open - 1);
+    if (std::find(std::begin(kLists), std::end(kLists), name) == std::end(kLists)) continue;
+    const std::size_t wrong = text.find_first_not_of("0123456789+- \t\r\n", close + 1);
+    if (wrong == std::string::npos || text[wrong] == '<') continue;
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(wrong), '\n');
+    throw badInput({path.string(), "line " + std::to_string(line), ""},
+                   "the list <" + std::string(name) + "> holds '" + text[wrong] + "'", "integers",
+                   "export the file again");
+  }
+}
+
 }  // namespace
 
 MeshParts readWithAssimp(const std::filesystem::path& path) {
   if (lowerEnding(path) == ".3ds") checkLengthOf3ds(path);
+  if (lowerEnding(path) == ".dae") checkIndicesOfCollada(path);
   Assimp::Importer importer;
   leaveOutOurFormats(importer);
   const auto unreadable = [&](const std::string& why) {
