@@ -225,9 +225,4 @@ MeshParts readObj(std::string_view text, const std::filesystem::path& file, cons
   return ObjAssembler(std::move(statements), std::move(materials), file.string()).assemble();
 }
 
-std::vector<std::filesystem::path> objCompanions(std::string_view text, const std::filesystem::path& file,
-                                                 const FileLookup& files) {
-  return filesOfLibraries(objLibraries(text), file.parent_path(), files);
-}
-
 }  // namespace bakelight::formats

@@ -17,8 +17,4 @@ namespace bakelight::formats {
 // Throws Error(kBadInput) naming `file` and its line. Cost: linear; 36 bytes a triangle beside the result.
 MeshParts readObj(std::string_view text, const std::filesystem::path& file, const FileLookup& files);
 
-// The material libraries that `text` names and the pictures that these name, whether they are there or not.
-std::vector<std::filesystem::path> objCompanions(std::string_view text, const std::filesystem::path& file,
-                                                 const FileLookup& files);
-
 }  // namespace bakelight::formats

@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "formats/error.h"
+#include "formats/gltf_uri.h"
 #include "formats/ply_contents.h"
+#include "formats/ply_textures.h"
 #include "formats/polygon_mesh.h"
 #include "formats/text_scan.h"
 #include "formats/vertex_colors.h"
@@ -13,21 +15,11 @@ namespace bakelight::formats {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kTextureComment = "TextureFile";  // MeshLab's
-
-std::vector<std::string> textureNames(const PlyHeader& header) {
-  std::vector<std::string> names;
-  for (const std::string& comment : header.comments) {
-    std::string_view rest = comment;
-    if (equalIgnoringCase(takeWord(rest), kTextureComment)) names.emplace_back(trimmed(rest));
-  }
-  return names;
-}
-
 class PlyAssembler {
  public:
   PlyAssembler(const PlyHeader& header, PlyContents contents, std::string file)
       : ply_(std::move(contents)), file_(std::move(file)) {
+    readMaterialNames(header);
     for (const std::string& line : header.unknown_lines)
       note("a line of the header is none of PLY's, and was left out: '" + line + "'");
   }
@@ -37,7 +29,10 @@ class PlyAssembler {
     checkFaces();
     makeLinear(mesh_.colors, ply_.color_type, "vertex");
     makeLinear(mesh_.face_colors, ply_.face_color_type, "face");
-    addTextures(textures, folder, files);
+    if (textures.empty())
+      addMaterials();
+    else
+      addTextures(textures, folder, files);
     if (result_.materials.empty()) mesh_.face_materials.clear();
     result_.parts.push_back(partOf(std::move(mesh_), ply_.notes));
     result_.notes = std::move(ply_.notes);
@@ -92,6 +87,26 @@ class PlyAssembler {
       for (float& value : color) value = codes ? linearFromSrgb(value / white) : value / white;
   }
 
+  // "comment material 0 red%20paint", as formats/mesh_ply.h writes it between stages.
+  void readMaterialNames(const PlyHeader& header) {
+    for (const std::string& comment : header.comments) {
+      std::string_view rest = comment;
+      if (takeWord(rest) != "material") continue;
+      const auto number = parseInteger(takeWord(rest));
+      if (number && *number == static_cast<std::int64_t>(material_names_.size()))
+        material_names_.push_back(percentDecoded(takeWord(rest)));
+    }
+  }
+
+  // Without names a number is another program's, and no material.
+  void addMaterials() {
+    if (mesh_.face_materials.empty() || material_names_.empty()) return;
+    for (int& material : mesh_.face_materials)
+      if (material >= static_cast<int>(material_names_.size())) material = -1;
+    for (std::string& name : material_names_)
+      result_.materials.push_back({.name = std::move(name), .color = {}, .texture = -1});
+  }
+
   void addTextures(const std::vector<std::string>& names, const fs::path& folder, const FileLookup& files) {
     if (names.empty()) return;
     if (mesh_.corner_texcoords.empty() && mesh_.texcoords.empty()) {
@@ -139,6 +154,7 @@ class PlyAssembler {
   PlyContents ply_;
   PolygonMesh& mesh_ = ply_.mesh;
   std::string file_;
+  std::vector<std::string> material_names_;
   MeshParts result_;
 };
 
@@ -148,21 +164,7 @@ MeshParts readPlyParts(std::span<const std::byte> bytes, const fs::path& file, c
   const PlyHeader header = readPlyHeader(bytes, file.string());
   PlyContents contents = readPlyContents(header, bytes, file.string());
   return PlyAssembler(header, std::move(contents), file.string())
-      .assemble(textureNames(header), file.parent_path(), files);
-}
-
-std::vector<fs::path> plyCompanions(std::span<const std::byte> bytes, const fs::path& file,
-                                    const FileLookup& files) {
-  std::vector<fs::path> result;
-  try {
-    for (const std::string& name : textureNames(readPlyHeader(bytes, file.string()))) {
-      const auto found = findNamedFile(files, file.parent_path(), name);
-      result.push_back(found ? found->path : plainPathOf(file.parent_path(), name));
-    }
-  } catch (const Error&) {
-    // The importer will say what is wrong with it.
-  }
-  return result;
+      .assemble(plyTextureNames(header), file.parent_path(), files);
 }
 
 }  // namespace bakelight::formats

@@ -18,8 +18,4 @@ namespace bakelight::formats {
 MeshParts readPlyParts(std::span<const std::byte> bytes, const std::filesystem::path& file,
                        const FileLookup& files);
 
-// The pictures that its header names, whether they are there or not; none if it is no PLY.
-std::vector<std::filesystem::path> plyCompanions(std::span<const std::byte> bytes,
-                                                 const std::filesystem::path& file, const FileLookup& files);
-
 }  // namespace bakelight::formats

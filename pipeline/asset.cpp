@@ -1,10 +1,10 @@
 #include "pipeline/asset.h"
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
 
 #include "formats/error.h"
+#include "formats/file.h"
 #include "pipeline/json_object.h"
 
 namespace bakelight::pipeline {
@@ -16,15 +16,9 @@ constexpr const char* kAssetFile = "asset.json";
 constexpr const char* kMeshPort = "mesh";
 constexpr std::string_view kDataPrefix = "data:";
 
-std::string lowercaseEnding(const fs::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
-
 bool endsAs(const fs::path& path, const AssetPort& port) {
-  return std::find(port.endings.begin(), port.endings.end(), lowercaseEnding(path)) != port.endings.end();
+  return std::find(port.endings.begin(), port.endings.end(), formats::lowerEnding(path)) !=
+         port.endings.end();
 }
 
 // "." and "models/" have names too.

@@ -3,52 +3,68 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "formats/error.h"
+#include "formats/file.h"
 #include "formats/hash.h"
 #include "formats/json.h"
+#include "formats/mesh_companions.h"
 
 namespace bakelight::pipeline {
 namespace fs = std::filesystem;
 using formats::Json;
 namespace {
 
+class LookupOn : public formats::FileLookup {
+ public:
+  explicit LookupOn(const Disk& disk) : disk_(disk) {}
+  bool isFile(const fs::path& path) const override { return disk_.isFile(path); }
+  std::string read(const fs::path& path) const override { return disk_.read(path); }
+  std::vector<std::string> list(const fs::path& folder) const override {
+    try {
+      return disk_.list(folder.empty() ? "." : folder);
+    } catch (const Error&) {
+      return {};  // there is none
+    }
+  }
+
+ private:
+  const Disk& disk_;
+};
+
 // The texts under `key` in the elements of the list `section`.
 void collect(const Json& document, const char* section, const char* key, std::set<std::string>& texts) {
   if (!document.is_object() || !document.contains(section)) return;
   for (const Json& element : document[section])
-    if (element.is_object() && element.contains(key) && element[key].is_string()) {
-      const std::string text = element[key];
-      if (!text.starts_with("data:")) texts.insert(text);  // embedded
-    }
+    if (element.is_object() && element.contains(key) && element[key].is_string())
+      texts.insert(element[key].get<std::string>());
 }
 
-// Relative to the file that they stand in.
-std::set<std::string> companionsIn(const Json& document, const std::string& ending) {
-  std::set<std::string> files;
-  if (ending == ".gltf") {  // glTF 2.0, 3.6.1.1 and 3.8.4
-    collect(document, "buffers", "uri", files);
-    collect(document, "images", "uri", files);
-  } else {  // docs/LIGHTS.md
-    collect(document, "lights", "image", files);
-    collect(document, "emitters", "mesh", files);
-  }
+// docs/LIGHTS.md
+std::vector<fs::path> rigCompanions(const fs::path& rig, const Disk& disk) {
+  const Json document = Json::parse(disk.read(rig), nullptr, false, /*ignore_comments=*/true);
+  std::set<std::string> names;
+  collect(document, "lights", "image", names);
+  collect(document, "emitters", "mesh", names);
+  std::vector<fs::path> files;
+  for (const std::string& name : names) files.push_back(rig.parent_path() / name);
   return files;
 }
 
 }  // namespace
 
 std::string hashWithCompanions(const fs::path& path, const Disk& disk, Memo& memo) {
-  const std::string own = memo.hashOf(path), ending = path.extension().string();
-  if (ending != ".gltf" && ending != ".json") return own;
+  const std::string own = memo.hashOf(path);
+  const bool is_rig = formats::lowerEnding(path) == ".json";
   std::string all = own;
-  const Json document = Json::parse(disk.read(path), nullptr, false, /*ignore_comments=*/true);
-  for (const std::string& file : companionsIn(document, ending)) {
-    const fs::path companion = path.parent_path() / file;
-    // A mesh of a rig may have companions of its own; a rig cannot be one.
-    const bool nested = ending == ".json" && companion.extension() == ".gltf";
-    all += "\n" + file + " " +
-           (!disk.isFile(companion) ? "missing"
-            : nested                ? hashWithCompanions(companion, disk, memo)
-                                    : memo.hashOf(companion));
+  for (const fs::path& companion :
+       is_rig ? rigCompanions(path, disk) : formats::meshCompanions(path, LookupOn(disk))) {
+    // By its place beside `path`, so that a folder that moves as a whole stays the same. A mesh of a rig may
+    // have companions of its own; a rig cannot be one.
+    const bool nested = is_rig && formats::lowerEnding(companion) != ".json";
+    all.append("\n").append(companion.lexically_relative(path.parent_path()).generic_string()).append(" ");
+    all.append(!disk.isFile(companion) ? "missing"
+               : nested                ? hashWithCompanions(companion, disk, memo)
+                                       : memo.hashOf(companion));
   }
   return all == own ? own : formats::contentHash(all);
 }

@@ -1,5 +1,5 @@
-// Files that a file refers to and that belong to its content: the buffers and images of a .gltf, the images
-// and meshes of a light rig (.json).
+// Files that a file refers to and that belong to its content: what a mesh file names
+// (formats/mesh_companions.h), the images and meshes of a light rig (.json).
 #pragma once
 
 #include <filesystem>

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "formats/error.h"
+#include "formats/file.h"
 #include "pipeline/json_object.h"
 
 namespace bakelight::pipeline {
@@ -243,7 +244,7 @@ class Planner {
     for (const auto& [light, path] : lights)
       for (const std::string& camera : cameras.keys()) {
         View view{.name = fileName(light + "-" + camera), .light = light, .camera = camera};
-        const bool rig = path.extension() == ".json";
+        const bool rig = formats::lowerEnding(path) == ".json";
         const auto asked = [&](const char* port) {
           const auto file = base_.files.find(port);
           return own_light && file != base_.files.end() ? file->second : fs::path();

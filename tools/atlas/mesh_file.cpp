@@ -3,13 +3,14 @@
 #include <utility>
 
 #include "formats/error.h"
+#include "formats/file.h"
 #include "formats/mesh_import.h"
 #include "formats/mesh_ply.h"
 
 namespace bakelight::atlas {
 
 MeshFile readMeshFile(const std::filesystem::path& path) {
-  if (path.extension() == ".ply") {
+  if (formats::lowerEnding(path) == ".ply") {
     try {
       return {formats::readPly(path), formats::readPlyEdges(path), {}};
     } catch (const Error&) {

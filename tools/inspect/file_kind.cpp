@@ -1,7 +1,6 @@
 #include "tools/inspect/file_kind.h"
 
 #include <algorithm>
-#include <cctype>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -57,9 +56,7 @@ const char* nameOf(FileKind kind) {
 FileKind kindOfFile(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path))
     throw badInput({path.string(), "", ""}, "there is no such file", "a file to look into");
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = formats::lowerEnding(path);
   if (ending == ".glb" && isPack(path)) return FileKind::kPack;
   if (contains(formats::meshFileEndings(), ending)) return FileKind::kMesh;
   if (contains(imageEndings(), ending)) return FileKind::kImage;

@@ -11,9 +11,9 @@ namespace {
 
 using Options = std::optional<PreviewOptions>;
 
-// In our own PLY the order of vertices counts, which the strict reader keeps; other files go through assimp.
+// In our own PLY the order of vertices counts, which the strict reader keeps.
 formats::MeshImport readMesh(const std::filesystem::path& path) {
-  if (path.extension() == ".ply") {
+  if (formats::lowerEnding(path) == ".ply") {
     try {
       return {.mesh = formats::readPly(path)};
     } catch (const Error&) {
@@ -33,7 +33,8 @@ void inspectMesh(const std::filesystem::path& path, const Options& options, Insp
 
 void inspectImage(const std::filesystem::path& path, const Options& options, Inspection& inspection) {
   const formats::Image image = formats::readImage(path, formats::NonFinite::kKeep);
-  const bool display_encoded = path.extension() != ".exr" && path.extension() != ".hdr";
+  const std::string ending = formats::lowerEnding(path);
+  const bool display_encoded = ending != ".exr" && ending != ".hdr";
   inspection.summary.sections = describeImage(image, path.string());
   if (options) inspection.preview = previewImage(image, display_encoded, *options);
 }

@@ -1,17 +1,14 @@
 #include "tools/player/picture_file.h"
 
-#include <algorithm>
-#include <cctype>
 #include <string>
 
 #include "formats/error.h"
+#include "formats/file.h"
 
 namespace bakelight::player {
 
 PictureEncoding encodingFor(const std::filesystem::path& picture_path) {
-  std::string ending = picture_path.extension().string();
-  std::ranges::transform(ending, ending.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = formats::lowerEnding(picture_path);
   if (ending == ".png") return PictureEncoding::kDisplay;
   if (ending == ".exr") return PictureEncoding::kLinear;
   throw Error(ExitStatus::kUsage, {picture_path.string(), "", ""},

@@ -33,6 +33,48 @@ TEST(Companions, ImagesAndMeshesOfALightRigBelongToItsContent) {
   }
 }
 
+// Each of `companions` counts, and none of `others`.
+void expectCounted(FakeDisk& disk, const char* path, const std::vector<const char*>& companions,
+                   const std::vector<const char*>& others) {
+  std::string last = hashOf(disk, path);
+  EXPECT_EQ(hashOf(disk, path), last);
+  for (const char* companion : companions) {
+    disk.write(companion, disk.isFile(companion) ? disk.read(companion) + " " : "new");
+    const std::string after = hashOf(disk, path);
+    EXPECT_NE(after, last) << companion;
+    last = after;
+  }
+  for (const char* other : others) {
+    disk.write(other, "changed");
+    EXPECT_EQ(hashOf(disk, path), last) << other;
+  }
+}
+
+TEST(Companions, LibrariesOfAnObjAndTheirTexturesBelongToIt) {
+  FakeDisk disk;
+  disk.write("models/A.OBJ", "v 0 0 0\r\nmtllib my colours.mtl\r\nmtllib none.mtl\r\nusemtl a\r\n");
+  disk.write("models/My Colours.mtl", "newmtl a\nmap_Kd -s 2 2 maps\\wood.png\nmap_Ks gloss.png\n");
+  disk.write("models/maps/wood.png", "brown");
+  expectCounted(disk, "models/A.OBJ", {"models/My Colours.mtl", "models/maps/wood.png", "models/none.mtl"},
+                {"models/gloss.png", "models/other.mtl"});
+}
+
+TEST(Companions, TexturesOfAPlyBelongToIt) {
+  FakeDisk disk;
+  disk.write("models/a.ply", "ply\nformat ascii 1.0\ncomment TextureFile a b.png\nend_header\n");
+  disk.write("models/a b.png", "blue");
+  expectCounted(disk, "models/a.ply", {"models/a b.png"}, {"models/c.png"});
+}
+
+TEST(Companions, EscapedNamesOfAGltfAreUnderstood) {
+  FakeDisk disk;
+  disk.write("models/a.GLTF",
+             R"({"buffers": [{"uri": "my%20data.bin"}, {"uri": "data:,x"}], "images": [{"uri": "b.png"}]})");
+  disk.write("models/my data.bin", "1");
+  disk.write("models/b.png", "blue");
+  expectCounted(disk, "models/a.GLTF", {"models/my data.bin", "models/b.png"}, {"models/c.bin"});
+}
+
 TEST(Companions, AFileThatNamesNoneIsItself) {
   FakeDisk disk;
   disk.write("a.json", R"({"lights": [{"type": "sky"}]})");
