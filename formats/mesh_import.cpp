@@ -26,10 +26,11 @@ MeshParts readParts(const std::filesystem::path& path, const std::string& ending
   if (ending == ".ply")
     return readPlyParts(bytes.last(withoutByteOrderMark(text).size()), path, filesOnDisk());
   if (ending == ".stl") return readStl(bytes, file);
-  return readOff(bytes, file);
+  if (ending == ".off") return readOff(bytes, file);
+  return readWithAssimp(path);
 }
 
-bool hasReader(const std::string& ending) {
+bool mayBeText(const std::string& ending) {
   return ending == ".obj" || ending == ".ply" || ending == ".stl" || ending == ".off";
 }
 
@@ -40,8 +41,7 @@ MeshImport importMesh(const std::filesystem::path& path) {
   const std::string ending = lowerEnding(path);
   checkMeshContent(bytes, ending, path.string());
   if (ending == ".gltf" || ending == ".glb") return merged(readGltf(path, bytes), path.string());
-  if (!hasReader(ending)) return merged(readWithAssimp(path), path.string());
-  {
+  if (mayBeText(ending)) {
     const auto converted = utf8FromUtf16({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     if (converted)
       return merged(readParts(path, ending, std::as_bytes(std::span(*converted))), path.string());
@@ -50,7 +50,8 @@ MeshImport importMesh(const std::filesystem::path& path) {
 }
 
 const std::vector<std::string>& meshFileEndings() {
-  static const std::vector<std::string> endings = {".obj", ".ply", ".stl", ".off", ".gltf", ".glb", ".3ds"};
+  static const std::vector<std::string> endings = {".obj", ".ply", ".stl", ".off", ".gltf",
+                                                   ".glb", ".3ds", ".dae", ".fbx"};
   return endings;
 }
 

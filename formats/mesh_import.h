@@ -1,4 +1,5 @@
-// Meshes from elsewhere, through assimp: OBJ, PLY, STL, OFF, glTF, 3DS and whatever else assimp reads.
+// Meshes from elsewhere: OBJ, PLY, STL, OFF and glTF by readers of our own; 3DS, DAE, FBX and whatever else
+// assimp reads by assimp. docs/FORMATS.md says what is read of each.
 #pragma once
 
 #include <filesystem>
@@ -35,19 +36,19 @@ struct MeshImport {
   std::vector<std::string> notes = {};
 };
 
-// +Y up: 3DS files, which have +Z up by convention, are turned. OBJ, PLY, STL and OFF do not say and are left
-// as they are. Coordinates are what assimp makes of the file's text, up to 1 float ulp from the nearest
-// float.
+// +Y up, where the file says what is up, or its format does; OBJ, PLY, STL and OFF do not say and are left as
+// they are. Coordinates are the floats nearest to what those files and glTF say.
 //
-// Vertex colours become linear ones in 0–1: glTF's are linear already, and so are PLY's unless they have 8
-// bits
-// ("uchar red"), which are sRGB by custom, as are OBJ's ("v x y z r g b"). What lies outside 0–1 is clamped,
-// and noted. Colours that not every vertex has are left out, and noted; an OBJ with some is an error.
+// Colours become linear ones in 0–1. glTF's are linear already, and so are Kd of MTL files, and PLY's unless
+// they have 8 bits ("uchar red"); those are sRGB by custom, as are OBJ's ("v x y z r g b"), OFF's and STL's.
+// What lies outside 0–1 is clamped, and noted; vertices without a colour among others that have one are
+// white, and noted.
 //
 // All meshes of the file in one, each node's transform applied, polygons triangulated, points and lines left
-// out. Vertices are not welded and nothing is repaired: that is the simplify stage's work, which counts it.
-// Throws Error(kBadInput) naming file and element: unreadable, truncated, no triangle, an index out of range,
-// a coordinate that is not finite (with its vertex).
+// out. Vertices that no face uses are left out, and noted. Others are not welded and nothing is repaired:
+// that is the simplify stage's work, which counts it. Throws Error(kBadInput) naming file and element:
+// unreadable, truncated, no triangle, an index out of range, a coordinate that is not finite (with its
+// vertex).
 MeshImport importMesh(const std::filesystem::path& path);
 
 // The endings (lowercase, with the dot) that importMesh takes for a mesh file; used to find assets in

@@ -41,7 +41,8 @@ const char* nameOf(PlyScalar type) {
 }
 
 std::string PlyRow::text() const {
-  return element->name + " " + std::to_string(row) + (line > 0 ? " (line " + std::to_string(line) + ")" : "");
+  return element->name + " " + std::to_string(row) + " (counted from 0" +
+         (line > 0 ? ", line " + std::to_string(line) : "") + ")";
 }
 
 Error plyEndsHere(const std::string& file, const PlyRow& row) {
@@ -101,11 +102,11 @@ void PlyTextBody::throwIfMisaligned() const {
 
 Error PlyTextBody::notOf(PlyScalar type, std::string_view word) const {
   throwIfMisaligned();
-  return badInput(
-      {file_, row_.element->name + " " + std::to_string(row_.row) + " (line " + std::to_string(line_) + ")",
-       ""},
-      "'" + std::string(word.substr(0, 40)) + "' is no value of type " + nameOf(type), "as the header says",
-      kRepairRemedy);
+  PlyRow place = row_;
+  place.line = line_;
+  return badInput({file_, place.text(), ""},
+                  "'" + std::string(word.substr(0, 40)) + "' is no value of type " + nameOf(type),
+                  "as the header says", kRepairRemedy);
 }
 
 float PlyTextBody::takeFloat(PlyScalar type) {

@@ -178,7 +178,9 @@ class ContentsReader {
     SlotPlan plan(properties);
     const bool has_colors = plan.assignColors();
     if (has_colors) result_.face_color_type = plan.typeOf(kRed);
-    const bool has_texture = !indicesOf(properties, {"texnumber"}).empty();
+    const char* const material =
+        indicesOf(properties, {"texnumber"}).empty() ? "material_index" : "texnumber";
+    const bool has_texture = !indicesOf(properties, {material}).empty();
     const std::size_t expected = reservation(element.count, 4);
     mesh_.corner_counts.reserve(expected);
     mesh_.corners.reserve(3 * expected);
@@ -194,7 +196,7 @@ class ContentsReader {
           takeIndices(property);
         else if (property.list_count && property.name == "texcoord")
           takeTexcoords(property);
-        else if (!property.list_count && property.name == "texnumber")
+        else if (!property.list_count && equalIgnoringCase(property.name, material))
           texture = static_cast<int>(std::clamp<std::int64_t>(body_.takeInteger(property.type), -1, 1 << 30));
         else if (plan[p] != kNoSlot)
           values[plan[p]] = body_.takeFloat(property.type);

@@ -13,8 +13,8 @@
 namespace bakelight::formats {
 
 struct PlyContents {
-  // Colours are the numbers of the file, materials those of `texnumber`; faces of triangle strips stand at
-  // the end.
+  // Colours are the numbers of the file, materials those of `texnumber` or `material_index`; faces of
+  // triangle strips stand at the end.
   PolygonMesh mesh;
   PlyScalar color_type = PlyScalar::kFloat32, face_color_type = PlyScalar::kFloat32;
 

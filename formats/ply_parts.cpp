@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "formats/error.h"
+#include "formats/gltf_uri.h"
 #include "formats/ply_contents.h"
 #include "formats/ply_textures.h"
 #include "formats/polygon_mesh.h"
@@ -17,6 +18,7 @@ class PlyAssembler {
  public:
   PlyAssembler(const PlyHeader& header, PlyContents contents, std::string file)
       : ply_(std::move(contents)), file_(std::move(file)) {
+    readMaterialNames(header);
     for (const std::string& line : header.unknown_lines)
       note("a line of the header is none of PLY's, and was left out: '" + line + "'");
   }
@@ -26,7 +28,10 @@ class PlyAssembler {
     checkFaces();
     makeLinear(mesh_.colors, ply_.color_type, "vertex");
     makeLinear(mesh_.face_colors, ply_.face_color_type, "face");
-    addTextures(textures, folder, files);
+    if (textures.empty())
+      addMaterials();
+    else
+      addTextures(textures, folder, files);
     if (result_.materials.empty()) mesh_.face_materials.clear();
     result_.parts.push_back(partOf(std::move(mesh_), ply_.notes));
     result_.notes = std::move(ply_.notes);
@@ -81,6 +86,26 @@ class PlyAssembler {
       for (float& value : color) value = codes ? linearFromSrgb(value / white) : value / white;
   }
 
+  // "comment material 0 red%20paint", as formats/mesh_ply.h writes it between stages.
+  void readMaterialNames(const PlyHeader& header) {
+    for (const std::string& comment : header.comments) {
+      std::string_view rest = comment;
+      if (takeWord(rest) != "material") continue;
+      const auto number = parseInteger(takeWord(rest));
+      if (number && *number == static_cast<std::int64_t>(material_names_.size()))
+        material_names_.push_back(percentDecoded(takeWord(rest)));
+    }
+  }
+
+  // Without names a number is another program's, and no material.
+  void addMaterials() {
+    if (mesh_.face_materials.empty() || material_names_.empty()) return;
+    for (int& material : mesh_.face_materials)
+      if (material >= static_cast<int>(material_names_.size())) material = -1;
+    for (std::string& name : material_names_)
+      result_.materials.push_back({.name = std::move(name), .color = {}, .texture = -1});
+  }
+
   void addTextures(const std::vector<std::string>& names, const fs::path& folder, const FileLookup& files) {
     if (names.empty()) return;
     if (mesh_.corner_texcoords.empty() && mesh_.texcoords.empty()) {
@@ -128,6 +153,7 @@ class PlyAssembler {
   PlyContents ply_;
   PolygonMesh& mesh_ = ply_.mesh;
   std::string file_;
+  std::vector<std::string> material_names_;
   MeshParts result_;
 };
 

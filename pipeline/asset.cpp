@@ -17,7 +17,8 @@ constexpr const char* kMeshPort = "mesh";
 constexpr std::string_view kDataPrefix = "data:";
 
 bool endsAs(const fs::path& path, const AssetPort& port) {
-  return std::find(port.endings.begin(), port.endings.end(), formats::lowerEnding(path)) != port.endings.end();
+  return std::find(port.endings.begin(), port.endings.end(), formats::lowerEnding(path)) !=
+         port.endings.end();
 }
 
 // "." and "models/" have names too.

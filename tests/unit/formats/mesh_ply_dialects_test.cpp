@@ -277,6 +277,17 @@ TEST_F(PlyDialects, TexturesOfFaces) {
   EXPECT_THAT(read.notes, Contains(HasSubstr("1 face has the number of a texture")));
 }
 
+TEST_F(PlyDialects, MaterialsBetweenStagesKeepTheirNames) {
+  const std::string text =
+      "ply\nformat ascii 1.0\ncomment material 0 red%20paint\ncomment material 1 \nelement vertex 3\n"
+      "property float x\nproperty float y\nproperty float z\nelement face 2\n"
+      "property list uchar uint vertex_indices\nproperty uint material_index\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 1\n3 0 2 1 0\n";
+  const MeshImport read = import(text);
+  EXPECT_EQ(read.mesh.material_names, (std::vector<std::string>{"red paint", ""}));
+  EXPECT_EQ(read.mesh.triangle_materials, (std::vector<std::uint32_t>{1, 0}));
+}
+
 TEST_F(PlyDialects, PolygonsAndStrips) {
   for (const Encoding encoding : kEncodings) {
     PlyText ply(encoding);
@@ -333,9 +344,9 @@ TEST_F(PlyDialects, ErrorsNameElementAndLine) {
               AllOf(HasSubstr("vertex 1 (counted from 0, line 11)"), HasSubstr("not finite")));
   EXPECT_THAT(errorOf(head + "0 0 0\n1 0 0\n0 1e39 0\n" + face), HasSubstr("vertex 2"));
   EXPECT_THAT(errorOf(head + "0 0 0\n1 0 0\n0 x 0\n" + face), AllOf(HasSubstr("line 12"), HasSubstr("'x'")));
-  EXPECT_THAT(
-      errorOf(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
-      AllOf(HasSubstr("face 0 (line 13)"), HasSubstr("vertex 3 does not exist"), HasSubstr("0 to 2")));
+  EXPECT_THAT(errorOf(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
+              AllOf(HasSubstr("face 0 (counted from 0, line 13)"), HasSubstr("vertex 3 does not exist"),
+                    HasSubstr("0 to 2")));
   EXPECT_THAT(errorOf(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n"), HasSubstr("vertex -1"));
   EXPECT_THAT(errorOf(head + "0 0 0\n1 0 0\n0 1 0\n300 0 1 2\n"), HasSubstr("uchar"));
   // A row with another number of values than the header says, and not a file cut short.
@@ -351,7 +362,7 @@ TEST_F(PlyDialects, ErrorsNameElementAndLine) {
   EXPECT_THAT(errorOf("ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float "
                       "x\nproperty float y\nproperty float z\n"
                       "element face 4000000000\nproperty list uchar int vertex_indices\nend_header\n"),
-              HasSubstr("vertex 0: the file ends here"));
+              HasSubstr("vertex 0 (counted from 0): the file ends here"));
 }
 
 TEST_F(PlyDialects, CoordinatesAreTheNearestFloats) {
