@@ -273,11 +273,14 @@ TEST(Build, TwoDriversThatMakeOneEntryTakeTheOneThatIsThereFirst) {
   FakeDisk disk;
   Memo memo("out/.cache/memo.json", disk);
   Cache mine("out/.cache", disk, memo, {"here", 1}), theirs("out/.cache", disk, memo, {"there", 1});
-  const Ingredients ingredients{.outputs = {{"mesh", "mesh.ply"}}};
+  Ingredients ingredients;
+  ingredients.outputs = {{"mesh", "mesh.ply"}};
+  formats::StageRecord record;
+  record.tool = "simplify";
   const auto make = [&](Cache& cache, const std::string& content) {
     const auto folder = cache.startEntry("0123");
     disk.write(folder / "mesh.ply", content);
-    disk.write(folder / kStatsFile, formats::toJson(formats::StageRecord{.tool = "simplify"}).dump());
+    disk.write(folder / kStatsFile, formats::toJson(record).dump());
   };
   make(mine, "mine");
   make(theirs, "theirs");
