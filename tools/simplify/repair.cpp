@@ -9,6 +9,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "tools/simplify/edge_groups.h"
 #include "tools/simplify/inside_out.h"
 #include "tools/simplify/needles.h"
 
@@ -16,19 +17,13 @@ namespace bakelight::simplify {
 namespace {
 
 using Index = std::uint32_t;
-constexpr Index kNone = ~Index{0};
-
-// One corner of a triangle and the side that starts there: 3 × triangle + corner.
-using Corner = std::uint32_t;
-constexpr Corner nextCorner(Corner c) {
-  return c % 3 == 2 ? c - 2 : c + 1;
-}
+using Corner = Side;
 
 Index start(const WorkingMesh& mesh, Corner side) {
   return mesh.triangles[side / 3][side % 3];
 }
 Index end(const WorkingMesh& mesh, Corner side) {
-  return start(mesh, nextCorner(side));
+  return start(mesh, nextSide(side));
 }
 
 // ---- weld
@@ -152,29 +147,6 @@ void removeDuplicates(WorkingMesh& mesh, RepairCounts& counts) {
 // ---- orientation and manifoldness
 // ----------------------------------------------------------------------------------
 
-// All sides, sorted by undirected edge, so that the sides of one edge are neighbours.
-struct EdgeGroups {
-  std::vector<Corner> sides;
-  std::vector<std::size_t> first;  // of each group, and one past the last
-
-  explicit EdgeGroups(const WorkingMesh& mesh) : sides(3 * mesh.triangles.size()) {
-    std::iota(sides.begin(), sides.end(), 0);
-    const auto key = [&](Corner side) { return std::minmax({start(mesh, side), end(mesh, side)}); };
-    std::sort(sides.begin(), sides.end(), [&](Corner a, Corner b) {
-      const auto ka = key(a), kb = key(b);
-      return ka < kb || (ka == kb && a < b);
-    });
-    for (std::size_t i = 0; i < sides.size(); ++i) {
-      if (i == 0 || key(sides[i]) != key(sides[i - 1])) first.push_back(i);
-    }
-    first.push_back(sides.size());
-  }
-  std::size_t count() const { return first.size() - 1; }
-  std::span<const Corner> group(std::size_t g) const {
-    return std::span(sides).subspan(first[g], first[g + 1] - first[g]);
-  }
-};
-
 // The side on the other triangle, or kNone where the surface ends or is cut.
 using Opposite = std::vector<Corner>;
 
@@ -269,8 +241,8 @@ std::vector<Corner> fans(const Opposite& opposite) {
   CornerSets sets(opposite.size());
   for (Corner side = 0; side < opposite.size(); ++side) {
     if (opposite[side] == kNone) continue;
-    sets.join(side, nextCorner(opposite[side]));
-    sets.join(nextCorner(side), opposite[side]);
+    sets.join(side, nextSide(opposite[side]));
+    sets.join(nextSide(side), opposite[side]);
   }
   std::vector<Corner> fan(opposite.size());
   for (Corner c = 0; c < fan.size(); ++c) fan[c] = sets.find(c);
@@ -289,7 +261,7 @@ bool cutWhatRemains(const WorkingMesh& mesh, const EdgeGroups& edges, const std:
     ends.clear();
     for (const Corner side : sides) {
       const bool forward = start(mesh, side) < end(mesh, side);
-      const Corner a = fan[side], b = fan[nextCorner(side)];
+      const Corner a = fan[side], b = fan[nextSide(side)];
       ends.push_back(forward ? std::pair(a, b) : std::pair(b, a));
     }
     std::sort(ends.begin(), ends.end());
