@@ -1,6 +1,8 @@
 #include "tools/simplify/features.h"
 
-#include <algorithm>
+#include <tbb/parallel_for.h>
+
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -11,104 +13,117 @@ namespace {
 // A feature line that turns by more than this at a vertex has a corner there.
 const double kCornerCosine = std::cos(45 * std::numbers::pi / 180);
 
-double cosineOf(double angle_deg) {
-  return std::cos(angle_deg * std::numbers::pi / 180);
+void mark(CornerMesh& mesh, Side side, bool is_feature) {
+  mesh.side_feature[side] = is_feature;
+  if (mesh.opposite[side] != kNone) mesh.side_feature[mesh.opposite[side]] = is_feature;
 }
 
-bool isFeature(const HalfEdgeMesh& mesh, EdgeHandle edge) {
-  return mesh.status(edge).feature();
+// The feature edges around a vertex, each by one of its sides.
+template <class Visit>
+void forFeatures(const CornerMesh& mesh, std::uint32_t vertex, Visit visit) {
+  mesh.forSidesAround(vertex, [&](Side s) {
+    if (mesh.side_feature[s] != 0) visit(s);
+    const Side in = previousSide(s);
+    if (mesh.opposite[in] == kNone) visit(in);
+  });
 }
 
-// The feature edges that hang together with `seed`, each marked in `seen`.
-std::vector<EdgeHandle> connectedFeatures(const HalfEdgeMesh& mesh, EdgeHandle seed,
-                                          std::vector<bool>& seen) {
-  std::vector<EdgeHandle> line = {seed};
-  seen[static_cast<std::size_t>(seed.idx())] = true;
+// The feature edges that hang together with `seed`, each marked in `seen` on both sides.
+std::vector<Side> connectedFeatures(const CornerMesh& mesh, Side seed, std::vector<bool>& seen) {
+  std::vector<Side> line;
+  const auto add = [&](Side s) {
+    if (seen[s]) return;
+    seen[s] = true;
+    if (mesh.opposite[s] != kNone) seen[mesh.opposite[s]] = true;
+    line.push_back(s);
+  };
+  add(seed);
   for (std::size_t next = 0; next < line.size(); ++next) {
-    const HalfedgeHandle h = mesh.halfedge_handle(line[next], 0);
-    for (const VertexHandle vertex : {mesh.from_vertex_handle(h), mesh.to_vertex_handle(h)}) {
-      for (const auto edge : mesh.ve_range(vertex)) {
-        if (!isFeature(mesh, edge) || seen[static_cast<std::size_t>(edge.idx())]) continue;
-        seen[static_cast<std::size_t>(edge.idx())] = true;
-        line.push_back(edge);
-      }
-    }
+    const Side s = line[next];
+    for (const std::uint32_t vertex : {mesh.start(s), mesh.end(s)}) forFeatures(mesh, vertex, add);
   }
   return line;
 }
 
-void unmarkNoise(HalfEdgeMesh& mesh, double min_length) {
-  std::vector<bool> seen(mesh.n_edges());
-  for (const auto edge : mesh.edges()) {
-    if (!isFeature(mesh, edge) || seen[static_cast<std::size_t>(edge.idx())]) continue;
-    const std::vector<EdgeHandle> line = connectedFeatures(mesh, edge, seen);
+void unmarkNoise(CornerMesh& mesh, double min_length) {
+  std::vector<bool> seen(mesh.opposite.size());
+  for (Side s = 0; s < mesh.opposite.size(); ++s) {
+    if (mesh.side_feature[s] == 0 || seen[s]) continue;
+    const std::vector<Side> line = connectedFeatures(mesh, s, seen);
     double length = 0;
-    for (const EdgeHandle e : line) length += mesh.calc_edge_length(e);
+    for (const Side e : line) length += mesh.length(e);
     if (length >= min_length) continue;
-    for (const EdgeHandle e : line) mesh.status(e).set_feature(mesh.is_boundary(e));
+    for (const Side e : line) mark(mesh, e, mesh.opposite[e] == kNone);
   }
-}
-
-bool isCrease(const HalfEdgeMesh& mesh, EdgeHandle edge, double crease_cosine) {
-  if (mesh.is_boundary(edge)) return false;
-  const HalfedgeHandle h = mesh.halfedge_handle(edge, 0);
-  return (mesh.normal(mesh.face_handle(h)) | mesh.normal(mesh.opposite_face_handle(h))) < crease_cosine;
 }
 
 // Lines between materials follow the edges of the input's triangles and may turn at each of them, which is no
 // corner: the planes that decimation puts on them say what a turn is worth.
-bool isCorner(const HalfEdgeMesh& mesh, const std::vector<HalfedgeHandle>& features, double crease_cosine) {
-  if (features.size() != 2) return !features.empty();
-  const bool only_materials = std::all_of(features.begin(), features.end(), [&](HalfedgeHandle h) {
-    const EdgeHandle edge = mesh.edge_handle(h);
-    return isMaterialBorder(mesh, edge) && !isCrease(mesh, edge, crease_cosine);
+void markVertices(CornerMesh& mesh, double crease_cosine) {
+  const auto isCrease = [&](Side s) {
+    const Vec3 one = mesh.areaVector(s / 3), two = mesh.areaVector(mesh.opposite[s] / 3);
+    const double lengths = one.norm() * two.norm();
+    return (lengths > 0 ? one.dot(two) / lengths : 0.0) < crease_cosine;
+  };
+  tbb::parallel_for(std::size_t{0}, mesh.positions.size(), [&](std::size_t v) {
+    const auto vertex = static_cast<std::uint32_t>(v);
+    std::array<Vec3, 2> directions;
+    std::size_t count = 0;
+    bool only_materials = true;
+    forFeatures(mesh, vertex, [&](Side s) {
+      const std::uint32_t far = mesh.start(s) == vertex ? mesh.end(s) : mesh.start(s);
+      if (count < 2) directions[count] = (mesh.positions[far] - mesh.positions[vertex]).normalized();
+      ++count;
+      only_materials = only_materials && mesh.isMaterialBorder(s) && !isCrease(s);
+    });
+    const bool line = count == 2 && (only_materials || directions[0].dot(directions[1]) < -kCornerCosine);
+    mesh.feature[v] = count > 0;
+    mesh.locked[v] = count > 0 && !line;
   });
-  const auto direction = [&](HalfedgeHandle h) { return mesh.calc_edge_vector(h).normalize_cond(); };
-  return !only_materials && !((direction(features[0]) | direction(features[1])) < -kCornerCosine);
 }
 
-void markVertices(HalfEdgeMesh& mesh, double crease_cosine) {
-  for (const auto vertex : mesh.vertices()) {
-    std::vector<HalfedgeHandle> features;
-    for (const auto h : mesh.voh_range(vertex)) {
-      if (isFeature(mesh, mesh.edge_handle(h))) features.push_back(h);
-    }
-    mesh.status(vertex).set_feature(!features.empty());
-    mesh.status(vertex).set_locked(isCorner(mesh, features, crease_cosine));
-  }
+double cosineOf(double angle_deg) {
+  return std::cos(angle_deg * std::numbers::pi / 180);
 }
 
 }  // namespace
 
-void markCreases(HalfEdgeMesh& mesh, double crease_angle_deg, double min_length) {
+void markCreases(CornerMesh& mesh, double crease_angle_deg, double min_length) {
   const double crease_cosine = cosineOf(crease_angle_deg);
-  for (const auto edge : mesh.edges())
-    mesh.status(edge).set_feature(mesh.is_boundary(edge) || isCrease(mesh, edge, crease_cosine));
+  const std::vector<Vec3> normals = mesh.normals();
+  tbb::parallel_for(std::size_t{0}, mesh.opposite.size(), [&](std::size_t s) {
+    const Side other = mesh.opposite[s];
+    mesh.side_feature[s] = other == kNone || normals[s / 3].dot(normals[other / 3]) < crease_cosine;
+  });
   unmarkNoise(mesh, min_length);
 }
 
-FeatureCounts markFeatures(HalfEdgeMesh& mesh, double crease_angle_deg, double min_length) {
+FeatureCounts markFeatures(CornerMesh& mesh, double crease_angle_deg, double min_length) {
   markCreases(mesh, crease_angle_deg, min_length);
   FeatureCounts counts;
-  for (const auto edge : mesh.edges()) {
-    counts.crease_edges += isFeature(mesh, edge) && !mesh.is_boundary(edge);
-    if (!isMaterialBorder(mesh, edge)) continue;
-    mesh.status(edge).set_feature(true);
+  for (Side s = 0; s < mesh.opposite.size(); ++s) {
+    if (mesh.opposite[s] == kNone || s > mesh.opposite[s]) continue;
+    counts.crease_edges += mesh.side_feature[s];
+    if (!mesh.isMaterialBorder(s)) continue;
+    mark(mesh, s, true);
     ++counts.material_edges;
   }
   markVertices(mesh, cosineOf(crease_angle_deg));
-  for (const auto vertex : mesh.vertices()) counts.corners += mesh.status(vertex).locked();
+  for (const std::uint8_t locked : mesh.locked) counts.corners += locked;
   return counts;
 }
 
-void releaseCreases(HalfEdgeMesh& mesh) {
-  for (const auto edge : mesh.edges())
-    mesh.status(edge).set_feature(mesh.is_boundary(edge) || isMaterialBorder(mesh, edge));
-  for (const auto vertex : mesh.vertices()) {
+void releaseCreases(CornerMesh& mesh) {
+  for (Side s = 0; s < mesh.opposite.size(); ++s) {
+    if (mesh.alive(s / 3)) mesh.side_feature[s] = mesh.opposite[s] == kNone || mesh.isMaterialBorder(s);
+  }
+  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+    if (mesh.leaving[v] == kNone) continue;
     int borders = 0;  // between materials
-    for (const auto edge : mesh.ve_range(vertex)) borders += isMaterialBorder(mesh, edge);
-    mesh.status(vertex).set_feature(mesh.is_boundary(vertex) || borders > 0);
-    mesh.status(vertex).set_locked(borders > 0 && (borders != 2 || mesh.is_boundary(vertex)));
+    mesh.forSidesAround(v, [&](Side s) { borders += mesh.isMaterialBorder(s); });
+    const bool on_border = mesh.isBorder(v);
+    mesh.feature[v] = on_border || borders > 0;
+    mesh.locked[v] = borders > 0 && (borders != 2 || on_border);
   }
 }
 

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "tools/simplify/half_edge_mesh.h"
+#include "tools/simplify/corner_mesh.h"
 
 namespace bakelight::simplify {
 
@@ -14,16 +14,16 @@ struct FeatureCounts {
   std::int64_t corners = 0;         // vertices where features end, meet or turn sharply
 };
 
-// Sets OpenMesh's `feature` status on border edges and on edges whose triangles' normals differ by more than
+// Sets `side_feature` on border edges and on edges whose triangles' normals differ by more than
 // `crease_angle_deg` (0–180), and clears it elsewhere. Creases of a few edges only, off any run into, are
-// shorter than `min_length` are noise and stay unmarked. Needs face normals.
-void markCreases(HalfEdgeMesh& mesh, double crease_angle_deg, double min_length);
+// shorter than `min_length` are noise and stay unmarked.
+void markCreases(CornerMesh& mesh, double crease_angle_deg, double min_length);
 
-// As well on edges between two materials, however short their line, and on the vertices of all these; a
-// corner is `locked`, too.
-FeatureCounts markFeatures(HalfEdgeMesh& mesh, double crease_angle_deg, double min_length);
+// As well on edges between two materials, however short their line, and `feature` on the vertices of all
+// these; a corner is `locked`, too.
+FeatureCounts markFeatures(CornerMesh& mesh, double crease_angle_deg, double min_length);
 
 // Forgets all marks except those of the borders.
-void releaseCreases(HalfEdgeMesh& mesh);
+void releaseCreases(CornerMesh& mesh);
 
 }  // namespace bakelight::simplify

@@ -1,5 +1,6 @@
 #include "tools/simplify/metrics.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -26,8 +27,16 @@ Deviation oneWay(const WorkingMesh& from, const SurfaceQuery& to, std::size_t sa
   std::vector<Vec3> points = from.positions;
   for (const SurfaceSample& sample : surfaceSamples(from, samples)) points.push_back(sample.position);
   std::vector<double> distances(points.size());
-  tbb::parallel_for(std::size_t{0}, points.size(),
-                    [&](std::size_t i) { distances[i] = to.closest(points[i]).distance; });
+  constexpr std::size_t kGrain = 512;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kGrain),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      std::uint32_t near_triangle = 0;
+                      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                        const SurfacePoint met = to.closestFrom(near_triangle, points[i]);
+                        near_triangle = met.triangle;
+                        distances[i] = met.distance;
+                      }
+                    });
   Deviation result;
   for (const double distance : distances) {
     result.hausdorff = std::max(result.hausdorff, distance);

@@ -4,76 +4,70 @@
 #include <cmath>
 #include <vector>
 
+#include "tools/simplify/corner_mesh.h"
 #include "tools/simplify/features.h"
-#include "tools/simplify/half_edge_mesh.h"
 
 namespace bakelight::simplify {
 namespace {
 
-bool isCrease(const HalfEdgeMesh& mesh, HalfedgeHandle h) {
-  return mesh.status(mesh.edge_handle(h)).feature();
-}
-
-// Triangles around a vertex, counter-clockwise, each as the half-edge leaving the vertex.
-using Fan = std::vector<HalfedgeHandle>;
+// Triangles around a vertex, counter-clockwise, each as its side that leaves the vertex.
+using Fan = std::vector<Side>;
 
 // Parted at creases.
-std::vector<Fan> smoothFans(const HalfEdgeMesh& mesh, VertexHandle vertex) {
+std::vector<Fan> smoothFans(const CornerMesh& mesh, std::uint32_t vertex) {
   Fan around;
-  for (const auto h : mesh.voh_ccw_range(vertex)) around.push_back(h);
-  std::size_t first = 0;  // begin at a crease, if there is one
-  while (first < around.size() && !isCrease(mesh, around[first])) ++first;
+  mesh.forSidesAround(vertex, [&](Side s) { around.push_back(s); });
+  std::size_t first = 0;  // begin at a crease, if there is one; on the border there is one at the start
+  while (first < around.size() && mesh.side_feature[around[first]] == 0) ++first;
   const bool any_crease = first < around.size();
   std::vector<Fan> fans;
   for (std::size_t i = 0; i < around.size(); ++i) {
-    const HalfedgeHandle h = around[(any_crease ? first + i : i) % around.size()];
-    if (fans.empty() || (isCrease(mesh, h) && !fans.back().empty())) fans.emplace_back();
-    if (!mesh.is_boundary(h)) fans.back().push_back(h);
+    const Side s = around[(any_crease ? first + i : i) % around.size()];
+    if (fans.empty() || mesh.side_feature[s] != 0) fans.emplace_back();
+    fans.back().push_back(s);
   }
-  if (fans.back().empty()) fans.pop_back();
   return fans;
 }
 
-formats::Float3 fanNormal(const HalfEdgeMesh& mesh, const Fan& fan) {
-  Point sum(0, 0, 0);
-  for (const HalfedgeHandle h : fan) {
-    const Point u = mesh.calc_edge_vector(h), v = -mesh.calc_edge_vector(mesh.prev_halfedge_handle(h));
-    sum += mesh.normal(mesh.face_handle(h)) * std::atan2((u % v).norm(), u | v);
+formats::Float3 fanNormal(const CornerMesh& mesh, const std::vector<Vec3>& normals, const Fan& fan) {
+  Vec3 sum = Vec3::Zero();
+  for (const Side s : fan) {
+    const Vec3& corner = mesh.positions[mesh.start(s)];
+    const Vec3 u = mesh.positions[mesh.end(s)] - corner, v = mesh.positions[mesh.apex(s)] - corner;
+    sum += normals[s / 3] * std::atan2(u.cross(v).norm(), u.dot(v));
   }
   const double length = sum.norm();
   if (!(length > 0)) return {0, 1, 0};
-  return transport::float3(vec3(sum / length));
+  return transport::float3(sum / length);
 }
 
 // The parts of a fan that have one material each, in the order in which they begin.
-std::vector<Fan> byMaterial(const HalfEdgeMesh& mesh, const Fan& fan) {
-  const auto material = [&](HalfedgeHandle h) { return mesh.data(mesh.face_handle(h)).material; };
+std::vector<Fan> byMaterial(const CornerMesh& mesh, const Fan& fan) {
+  if (mesh.materials.empty()) return {fan};
+  const auto material = [&](Side s) { return mesh.materials[s / 3]; };
   std::vector<Fan> parts;
-  for (const HalfedgeHandle h : fan) {
+  for (const Side s : fan) {
     auto part = std::find_if(parts.begin(), parts.end(),
-                             [&](const Fan& other) { return material(other.front()) == material(h); });
+                             [&](const Fan& other) { return material(other.front()) == material(s); });
     if (part == parts.end()) part = parts.emplace(parts.end());
-    part->push_back(h);
+    part->push_back(s);
   }
   return parts;
 }
 
-void giveOwnVertex(const HalfEdgeMesh& mesh, const Fan& fan, std::uint32_t vertex,
-                   const formats::Float3& normal, formats::TriangleMesh& result) {
+void giveOwnVertex(const Fan& fan, std::uint32_t vertex, const formats::Float3& normal,
+                   formats::TriangleMesh& result) {
   const auto copy = static_cast<std::uint32_t>(result.positions.size());
   result.positions.push_back(formats::Float3(result.positions[vertex]));
   result.normals.push_back(normal);
-  for (const HalfedgeHandle h : fan) {
-    Triangle& triangle = result.triangles[static_cast<std::size_t>(mesh.face_handle(h).idx())];
-    for (std::uint32_t& index : triangle) index = index == vertex ? copy : index;
-  }
+  for (const Side s : fan) result.triangles[s / 3][s % 3] = copy;
 }
 
 }  // namespace
 
 ShadedMesh withNormals(const WorkingMesh& working, double crease_angle_deg, double min_crease_length) {
-  HalfEdgeMesh mesh = halfEdgeMesh(working);
-  mesh.update_face_normals();
+  CornerMesh mesh(working);
+  const std::vector<Vec3> normals = mesh.normals();
   markCreases(mesh, crease_angle_deg, min_crease_length);
   ShadedMesh shaded;
   formats::TriangleMesh& result = shaded.mesh;
@@ -81,11 +75,10 @@ ShadedMesh withNormals(const WorkingMesh& working, double crease_angle_deg, doub
   result.triangle_materials = working.materials;
   for (const Vec3& position : working.positions) result.positions.push_back(transport::float3(position));
   result.normals.resize(result.positions.size());
-  for (const auto vertex : mesh.vertices()) {
-    const auto fans = smoothFans(mesh, vertex);
-    const auto original = static_cast<std::uint32_t>(vertex.idx());
+  for (std::uint32_t original = 0; original < working.positions.size(); ++original) {
+    const auto fans = smoothFans(mesh, original);
     for (std::size_t k = 0; k < fans.size(); ++k) {
-      const formats::Float3 normal = fanNormal(mesh, fans[k]);
+      const formats::Float3 normal = fanNormal(mesh, normals, fans[k]);
       const std::vector<Fan> parts = byMaterial(mesh, fans[k]);
       for (std::size_t m = 0; m < parts.size(); ++m) {
         if (k == 0 && m == 0) {
@@ -93,7 +86,7 @@ ShadedMesh withNormals(const WorkingMesh& working, double crease_angle_deg, doub
           continue;
         }
         ++(m == 0 ? shaded.split_vertices : shaded.material_vertices);
-        giveOwnVertex(mesh, parts[m], original, normal, result);
+        giveOwnVertex(parts[m], original, normal, result);
       }
     }
   }

@@ -1,22 +1,38 @@
 #include "tools/simplify/refine.h"
 
-#include <algorithm>
+#include <queue>
+#include <utility>
+#include <vector>
+
+#include "tools/simplify/parallel_lists.h"
 
 namespace bakelight::simplify {
 
-std::int64_t splitLongEdges(HalfEdgeMesh& mesh, double max_length, std::int64_t max_splits) {
-  double longest = 0;
-  for (const auto edge : mesh.edges()) longest = std::max(longest, mesh.calc_edge_length(edge));
+std::int64_t splitLongEdges(CornerMesh& mesh, double max_length, std::int64_t max_splits) {
+  // The longest of all is always the next: otherwise the triangles beside a longer one never become short.
+  std::priority_queue<std::pair<double, Side>> longest;
+  const auto add = [&](Side s) {
+    const double length = mesh.length(s);
+    if (length > max_length) longest.push({length, s});
+  };
+  for (const Side s : filtered(mesh.opposite.size(), [&](std::size_t i) {
+         const auto side = static_cast<Side>(i);
+         return mesh.isEdge(side) && mesh.length(side) > max_length;
+       }))
+    add(s);
   std::int64_t splits = 0;
-  while (longest > max_length && splits < max_splits) {
-    const double length = std::max(longest / 2, max_length);
-    for (int e = 0; e < static_cast<int>(mesh.n_edges()) && splits < max_splits; ++e) {
-      const EdgeHandle edge = mesh.edge_handle(static_cast<unsigned>(e));
-      if (mesh.calc_edge_length(edge) <= length) continue;
-      splitEdge(mesh, edge, mesh.calc_edge_midpoint(edge));
-      ++splits;
-    }
-    longest = length;
+  while (!longest.empty() && splits < max_splits) {
+    const auto [length, side] = longest.top();
+    longest.pop();
+    if (mesh.length(side) != length) continue;  // another edge is there by now; it has its own entry
+    const Side other = mesh.opposite[side];
+    const auto first_added = static_cast<Side>(mesh.opposite.size());
+    mesh.splitEdge(side, (mesh.positions[mesh.start(side)] + mesh.positions[mesh.end(side)]) / 2);
+    ++splits;
+    add(side);
+    add(nextSide(side));
+    if (other != kNone) add(nextSide(other));
+    for (Side s = first_added; s < mesh.opposite.size(); ++s) add(s);
   }
   return splits;
 }

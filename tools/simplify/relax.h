@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "tools/simplify/half_edge_mesh.h"
+#include "tools/simplify/corner_mesh.h"
 #include "tools/simplify/surface_query.h"
 
 namespace bakelight::simplify {
@@ -23,8 +23,10 @@ struct RelaxCounts {
 // 4√3·area/Σ(side²). An edge is flipped, or a vertex is moved towards the centroid of its ring (tangentially)
 // and to the height at which it fits the samples around it best. No triangle turns by more than 35° at once,
 // unless that unfolds it; feature edges and vertices (features.h) stay, and no vertex strays farther than a
-// few σ from the original. Serial and in index order: repeatable. Cost: about 0.4 s a round for 20k
-// triangles.
-RelaxCounts relax(HalfEdgeMesh& mesh, const SurfaceQuery& original, int rounds, std::size_t insert_triangles);
+// few σ from the original. Vertices of one color (no two of them neighbours) move at once, edges flip at once
+// where their quadrilaterals have no corner in common: all TBB threads, the same bytes for any number of
+// them. Adds vertices where the fit is worst after half of the rounds: `insert_triangles` more triangles, or
+// one fewer. `mesh` must be compact. Cost: about 40 ms of one core a round for 20k triangles.
+RelaxCounts relax(CornerMesh& mesh, const SurfaceQuery& original, int rounds, std::size_t insert_triangles);
 
 }  // namespace bakelight::simplify

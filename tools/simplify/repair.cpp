@@ -1,8 +1,13 @@
 #include "tools/simplify/repair.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <span>
@@ -10,52 +15,35 @@
 #include <unordered_map>
 #include <utility>
 
+#include "tools/simplify/edge_groups.h"
 #include "tools/simplify/inside_out.h"
 #include "tools/simplify/needles.h"
+#include "tools/simplify/parallel_lists.h"
 
 namespace bakelight::simplify {
 namespace {
 
 using Index = std::uint32_t;
-constexpr Index kNone = ~Index{0};
-
-// One corner of a triangle and the side that starts there: 3 × triangle + corner.
-using Corner = std::uint32_t;
-constexpr Corner nextCorner(Corner c) {
-  return c % 3 == 2 ? c - 2 : c + 1;
-}
+using Corner = Side;
 
 Index start(const WorkingMesh& mesh, Corner side) {
   return mesh.triangles[side / 3][side % 3];
 }
 Index end(const WorkingMesh& mesh, Corner side) {
-  return start(mesh, nextCorner(side));
+  return start(mesh, nextSide(side));
 }
 
 // ---- weld
 // -------------------------------------------------------------------------------------------------------
 
-using Cell = std::array<std::int64_t, 3>;
-struct CellHash {
-  std::size_t operator()(const Cell& c) const {
-    std::uint64_t h = 0x9E3779B97F4A7C15u;
-    for (const std::int64_t x : c)
-      h = (h ^ static_cast<std::uint64_t>(x)) * 0xD6E8FEB86659FD93u, h ^= h >> 32;
-    return h;
-  }
-};
-
-// Vertices so far out share a cell, which costs time only.
-constexpr double kFarthestCell = 4e18;
-
-// Exact coincidence: sort by coordinates, the earliest index of each run represents it.
+// Of each vertex the first one at exactly that place.
 std::vector<Index> exactRepresentatives(const std::vector<Vec3>& positions) {
   std::vector<Index> order(positions.size());
   std::iota(order.begin(), order.end(), 0);
   const auto key = [&](Index i) {
     return std::array<double, 3>{positions[i].x(), positions[i].y(), positions[i].z()};
   };
-  std::sort(order.begin(), order.end(), [&](Index a, Index b) {
+  tbb::parallel_sort(order.begin(), order.end(), [&](Index a, Index b) {
     const auto ka = key(a), kb = key(b);
     return ka < kb || (ka == kb && a < b);
   });
@@ -67,27 +55,80 @@ std::vector<Index> exactRepresentatives(const std::vector<Vec3>& positions) {
   return representative;
 }
 
-// Each vertex joins the first earlier representative within the tolerance, found through a grid of that cell
-// size.
-std::vector<Index> nearRepresentatives(const std::vector<Vec3>& positions, double tolerance) {
-  std::unordered_map<Cell, std::vector<Index>, CellHash> grid;
-  grid.reserve(positions.size());
-  std::vector<Index> representative(positions.size());
-  for (Index i = 0; i < positions.size(); ++i) {
-    Cell cell;
-    for (int k = 0; k < 3; ++k)
-      cell[k] = static_cast<std::int64_t>(
-          std::clamp(std::floor(positions[i][k] / tolerance), -kFarthestCell, kFarthestCell));
-    Index found = kNone;
-    for (int n = 0; n < 27; ++n) {
-      const auto it = grid.find({cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1});
-      if (it == grid.end()) continue;
-      for (const Index other : it->second) {
-        if (other < found && (positions[other] - positions[i]).norm() <= tolerance) found = other;
+// Points sorted by the cells of a grid.
+class PointGrid {
+ public:
+  // `reach` is no more than the size of a cell.
+  PointGrid(const std::vector<Vec3>& positions, const std::vector<Index>& points, double reach)
+      : positions_(positions), cell_size_(kReaches * reach), reach_(reach), entries_(points.size()) {
+    tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+      const Vec3& p = positions[points[i]];
+      entries_[i] = {hash({cellOf(p.x()), cellOf(p.y()), cellOf(p.z())}), points[i]};
+    });
+    tbb::parallel_sort(entries_.begin(), entries_.end());
+  }
+
+  // Stops where `visit` returns true. Visits points of the cells that are within reach, and perhaps others.
+  template <class Visit>
+  void forNear(const Vec3& position, Visit visit) const {
+    std::array<std::array<std::int64_t, 2>, 3> range{};
+    for (int k = 0; k < 3; ++k) range[k] = {cellOf(position[k] - reach_), cellOf(position[k] + reach_)};
+    for (std::int64_t x = range[0][0]; x <= range[0][1]; ++x) {
+      for (std::int64_t y = range[1][0]; y <= range[1][1]; ++y) {
+        for (std::int64_t z = range[2][0]; z <= range[2][1]; ++z) {
+          const std::uint64_t cell = hash({x, y, z});
+          for (auto it = std::lower_bound(entries_.begin(), entries_.end(), std::pair(cell, Index{0}));
+               it != entries_.end() && it->first == cell; ++it) {
+            if (visit(it->second)) return;
+          }
+        }
       }
     }
-    representative[i] = found == kNone ? i : found;
-    if (found == kNone) grid[cell].push_back(i);
+  }
+
+ private:
+  // Larger cells hold more points, smaller ones have more neighbours in reach.
+  static constexpr double kReaches = 8;
+  // Points so far out share a cell, which costs time only.
+  static constexpr double kFarthestCell = 4e18;
+
+  std::int64_t cellOf(double x) const {
+    return static_cast<std::int64_t>(std::clamp(std::floor(x / cell_size_), -kFarthestCell, kFarthestCell));
+  }
+  static std::uint64_t hash(const std::array<std::int64_t, 3>& cell) {
+    std::uint64_t h = 0x9E3779B97F4A7C15u;
+    for (const std::int64_t x : cell)
+      h = (h ^ static_cast<std::uint64_t>(x)) * 0xD6E8FEB86659FD93u, h ^= h >> 32;
+    return h;
+  }
+
+  const std::vector<Vec3>& positions_;
+  double cell_size_, reach_;
+  std::vector<std::pair<std::uint64_t, Index>> entries_;
+};
+
+// Each vertex joins the first earlier representative within the tolerance. What coincides does so at once,
+// and most of the rest is near no other: only what is left goes one by one.
+std::vector<Index> nearRepresentatives(const std::vector<Vec3>& positions, double tolerance) {
+  std::vector<Index> representative = exactRepresentatives(positions);
+  const auto near = [&](Index a, Index b) { return (positions[a] - positions[b]).norm() <= tolerance; };
+  const std::vector<Index> distinct =
+      filtered(positions.size(), [&](std::size_t i) { return representative[i] == i; });
+  const PointGrid grid(positions, distinct, tolerance);
+  const std::vector<Index> crowded = filtered(distinct, [&](Index i) {
+    bool found = false;
+    grid.forNear(positions[i], [&](Index other) { return found = other != i && near(other, i); });
+    return found;
+  });
+  for (const Index i : crowded) {
+    grid.forNear(positions[i], [&](Index other) {
+      if (other < representative[i] && representative[other] == other && near(other, i))
+        representative[i] = other;
+      return false;
+    });
+  }
+  if (!crowded.empty()) {
+    for (Index& r : representative) r = representative[r];
   }
   return representative;
 }
@@ -130,29 +171,6 @@ Triangle canonical(Triangle t) {
 
 // ---- orientation and manifoldness
 // ----------------------------------------------------------------------------------
-
-// All sides, sorted by undirected edge, so that the sides of one edge are neighbours.
-struct EdgeGroups {
-  std::vector<Corner> sides;
-  std::vector<std::size_t> first;  // of each group, and one past the last
-
-  explicit EdgeGroups(const WorkingMesh& mesh) : sides(3 * mesh.triangles.size()) {
-    std::iota(sides.begin(), sides.end(), 0);
-    const auto key = [&](Corner side) { return std::minmax({start(mesh, side), end(mesh, side)}); };
-    std::sort(sides.begin(), sides.end(), [&](Corner a, Corner b) {
-      const auto ka = key(a), kb = key(b);
-      return ka < kb || (ka == kb && a < b);
-    });
-    for (std::size_t i = 0; i < sides.size(); ++i) {
-      if (i == 0 || key(sides[i]) != key(sides[i - 1])) first.push_back(i);
-    }
-    first.push_back(sides.size());
-  }
-  std::size_t count() const { return first.size() - 1; }
-  std::span<const Corner> group(std::size_t g) const {
-    return std::span(sides).subspan(first[g], first[g + 1] - first[g]);
-  }
-};
 
 // Disjoint sets of corners; the smallest corner represents its set.
 class CornerSets {
@@ -294,7 +312,7 @@ void removeDuplicates(WorkingMesh& mesh, RepairCounts& counts) {
     keys[t] = {mesh.triangles[t], t};
     std::sort(keys[t].sorted.begin(), keys[t].sorted.end());
   }
-  std::sort(keys.begin(), keys.end());
+  tbb::parallel_sort(keys.begin(), keys.end());
   std::vector<bool> keep(keys.size(), true);
   std::vector<Index> twin(keys.size(), kNone);
   bool any_pair = false;
@@ -394,8 +412,8 @@ std::vector<Corner> fans(const Opposite& opposite) {
   CornerSets sets(opposite.size());
   for (Corner side = 0; side < opposite.size(); ++side) {
     if (opposite[side] == kNone) continue;
-    sets.join(side, nextCorner(opposite[side]));
-    sets.join(nextCorner(side), opposite[side]);
+    sets.join(side, nextSide(opposite[side]));
+    sets.join(nextSide(side), opposite[side]);
   }
   std::vector<Corner> fan(opposite.size());
   for (Corner c = 0; c < fan.size(); ++c) fan[c] = sets.find(c);
@@ -414,7 +432,7 @@ bool cutWhatRemains(const WorkingMesh& mesh, const EdgeGroups& edges, const std:
     ends.clear();
     for (const Corner side : sides) {
       const bool forward = start(mesh, side) < end(mesh, side);
-      const Corner a = fan[side], b = fan[nextCorner(side)];
+      const Corner a = fan[side], b = fan[nextSide(side)];
       ends.push_back(forward ? std::pair(a, b) : std::pair(b, a));
     }
     std::sort(ends.begin(), ends.end());
@@ -446,8 +464,43 @@ void splitFans(WorkingMesh& mesh, const std::vector<Corner>& fan, RepairCounts& 
   }
 }
 
+// Whether each edge has one triangle, or two that agree, and the triangles around each vertex one fan: the
+// usual case, in which there is nothing to mend.
+bool isManifold(const WorkingMesh& mesh, const EdgeGroups& edges) {
+  std::atomic<bool> ok = true;
+  Opposite opposite(3 * mesh.triangles.size(), kNone);
+  tbb::parallel_for(std::size_t{0}, edges.count(), [&](std::size_t g) {
+    const auto sides = edges.group(g);
+    if (sides.size() == 1) return;
+    if (sides.size() > 2 || start(mesh, sides[0]) != end(mesh, sides[1])) {
+      ok.store(false, std::memory_order_relaxed);
+      return;
+    }
+    opposite[sides[0]] = sides[1], opposite[sides[1]] = sides[0];
+  });
+  if (!ok) return false;
+  std::vector<Index> corners(mesh.positions.size());
+  std::vector<Corner> any(mesh.positions.size(), kNone);
+  for (Corner c = 0; c < opposite.size(); ++c) {
+    Corner& of_vertex = any[start(mesh, c)];
+    ++corners[start(mesh, c)];
+    if (of_vertex == kNone || opposite[c] == kNone) of_vertex = c;
+  }
+  tbb::parallel_for(std::size_t{0}, any.size(), [&](std::size_t v) {
+    Index met = 0;
+    for (Corner c = any[v]; c != kNone;) {
+      ++met;
+      c = opposite[previousSide(c)];
+      if (c == any[v]) break;
+    }
+    if (met != corners[v]) ok.store(false, std::memory_order_relaxed);
+  });
+  return ok;
+}
+
 void makeManifold(WorkingMesh& mesh, RepairCounts& counts) {
   const EdgeGroups edges_before(mesh);
+  if (isManifold(mesh, edges_before)) return;
   orient(mesh, edges_before, counts);
   const EdgeGroups edges(mesh);
   Opposite opposite = pairSides(mesh, edges, counts);
@@ -505,8 +558,12 @@ bool RepairCounts::clean() const {
 }
 
 std::vector<std::uint32_t> weldedVertices(const std::vector<Vec3>& positions, double weld_tolerance) {
-  return weld_tolerance > 0 ? nearRepresentatives(positions, weld_tolerance)
-                            : exactRepresentatives(positions);
+  // Coordinates this far out are no finer, so less is none at all.
+  double largest = 0;
+  for (const Vec3& p : positions) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  const double finest = 4 * std::numeric_limits<double>::epsilon() * largest;
+  return weld_tolerance > finest ? nearRepresentatives(positions, weld_tolerance)
+                                 : exactRepresentatives(positions);
 }
 
 RepairCounts repair(WorkingMesh& mesh, double weld_tolerance) {

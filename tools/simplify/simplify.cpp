@@ -7,10 +7,10 @@
 
 #include "formats/error.h"
 #include "formats/materials.h"
+#include "tools/simplify/corner_mesh.h"
 #include "tools/simplify/decimate.h"
 #include "tools/simplify/double_sided.h"
 #include "tools/simplify/features.h"
-#include "tools/simplify/half_edge_mesh.h"
 #include "tools/simplify/losses.h"
 #include "tools/simplify/normals.h"
 #include "tools/simplify/refine.h"
@@ -77,10 +77,9 @@ double equilateralSide(double triangle_area) {
 
 WorkingMesh reduce(const SurfaceQuery& original, const SimplifyOptions& options, SimplifyReport& report,
                    stage::Stopwatch& watch) {
-  HalfEdgeMesh mesh = halfEdgeMesh(original.mesh());
+  CornerMesh mesh(original.mesh());
   const double side = equilateralSide(area(original.mesh()) / options.triangles);
   if (options.relax_rounds > 0) report.splits = splitLongEdges(mesh, kMaxEdgeSides * side, options.triangles);
-  mesh.update_face_normals();
   const FeatureCounts features = markFeatures(mesh, options.crease_angle_deg, kMinCreaseSides * side);
   report.crease_edges = features.crease_edges;
   report.material_edges = features.material_edges;
@@ -96,15 +95,16 @@ WorkingMesh reduce(const SurfaceQuery& original, const SimplifyOptions& options,
         " triangles cannot be reached: a closed component keeps at least 4, an open one 1" +
         (features.material_edges > 0 ? ", and borders between materials stay" : ""));
   }
+  mesh.compact();
   watch.lap("decimate");
   if (options.relax_rounds > 0) {
     report.flips =
-        relax(mesh, original, options.relax_rounds, target - std::min(target, mesh.n_faces())).flips;
+        relax(mesh, original, options.relax_rounds, target - std::min(target, mesh.triangles.size())).flips;
   } else {
     report.left_out.push_back("relaxation: relax_rounds is 0");
   }
   watch.lap("relax");
-  return workingMesh(mesh);
+  return {std::move(mesh.positions), std::move(mesh.triangles), std::move(mesh.materials)};
 }
 
 // Backs of sheets come on top of the triangles that are left here.
@@ -172,12 +172,23 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
   const SimplifyOptions one_sided = withoutBacks(options, mesh);
   watch.lap("repair");
 
-  const SurfaceQuery original(mesh);
   std::vector<CornerTexcoords> texcoords;
+  const double unit = 1 / frame.scale;
+  report.angles_in = angleQuality(mesh);
+  report.area_in = area(mesh) * unit * unit;
+  report.volume_in = volume(mesh) * unit * unit * unit;
   if (mesh.triangles.size() > static_cast<std::size_t>(one_sided.triangles)) {
+    const SurfaceQuery original(std::move(mesh));
     mesh = reduce(original, one_sided, report, watch);
     if (!input.texcoords.empty())
       report.left_out.push_back("texture coordinates: decimation moves their seams");
+    report.topology_out = topology(mesh);
+    report.angles_out = angleQuality(mesh);
+    report.area_out = area(mesh) * unit * unit;
+    report.volume_out = volume(mesh) * unit * unit * unit;
+    report.deviation = deviation(original, SurfaceQuery(mesh), kDeviationSamples);
+    report.deviation.hausdorff /= kWorkingDiagonal;
+    report.deviation.mean /= kWorkingDiagonal;
   } else {
     report.left_out.push_back("decimation: " + std::to_string(mesh.triangles.size()) +
                               " triangles are no more than the " + std::to_string(options.triangles) +
@@ -188,19 +199,11 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
       report.left_out.push_back("texture coordinates: the repair changed triangles");
       report.warnings.push_back("texture coordinates were left out: the repair changed triangles");
     }
+    report.topology_out = report.topology_in;
+    report.angles_out = report.angles_in;
+    report.area_out = report.area_in;
+    report.volume_out = report.volume_in;
   }
-  report.topology_out = topology(mesh);
-  report.angles_in = angleQuality(original.mesh());
-  report.angles_out = angleQuality(mesh);
-  const SurfaceQuery simplified(mesh);
-  report.deviation = deviation(original, simplified, kDeviationSamples);
-  report.deviation.hausdorff /= kWorkingDiagonal;
-  report.deviation.mean /= kWorkingDiagonal;
-  const double unit = 1 / frame.scale;
-  report.area_in = area(original.mesh()) * unit * unit;
-  report.area_out = area(mesh) * unit * unit;
-  report.volume_in = volume(original.mesh()) * unit * unit * unit;
-  report.volume_out = volume(mesh) * unit * unit * unit;
   watch.lap("measure");
 
   frame.undo(mesh);

@@ -31,48 +31,104 @@ struct SurfaceQuery::Implementation {
     rtcReleaseDevice(device);
   }
 
+  SurfacePoint on(std::uint32_t triangle, const Vec3& position) const;
+  // Boxes as near as that have corners no farther out than query and distance together.
+  static float radius(const Vec3& position, double distance) {
+    const double rounding = kMarginUnit * (position.cwiseAbs().maxCoeff() + distance);
+    return static_cast<float>(distance * (1 + kRelativeMargin) + rounding);
+  }
+
+  enum class Among { kAll, kFacing, kPreferFacing };
   struct Search {
     const Implementation* surface;
     Vec3 position, normal;
-    bool facing_only;
-    Material material;
-    SurfacePoint best;
+    Among among;
+    Material material = {};
+    double factor = 1;
+    SurfacePoint best = {}, facing = {};
+
+    void meet(std::uint32_t triangle);
+    // What is farther cannot matter any more.
+    double reach() const;
+    SurfacePoint result() const;
+  };
+  struct Probe {
+    const Implementation* surface;
+    Vec3 position;
+    double distance;
+    bool found = false;
   };
   static bool visit(RTCPointQueryFunctionArguments* arguments);
-  SurfacePoint run(const Vec3& position, const Vec3& normal, bool facing_only, Material material) const;
+  static bool visitProbe(RTCPointQueryFunctionArguments* arguments);
+  SurfacePoint run(Search search) const;
 };
+
+SurfacePoint SurfaceQuery::Implementation::on(std::uint32_t t, const Vec3& from) const {
+  const Vec3 &a = mesh.corner(t, 0), &b = mesh.corner(t, 1), &c = mesh.corner(t, 2);
+  const Vec3 weights = closestWeights(a, b, c, from);
+  const Vec3 position = weights[0] * a + weights[1] * b + weights[2] * c;
+  return {true, (position - from).norm(), position, t, weights};
+}
+
+void SurfaceQuery::Implementation::Search::meet(std::uint32_t triangle) {
+  if (material && surface->mesh.materials[triangle] != *material) return;
+  const bool faces = among != Among::kAll && surface->normals[triangle].dot(normal) > 0;
+  if (among == Among::kFacing && !faces) return;
+  const SurfacePoint met = surface->on(triangle, position);
+  const auto keep = [&](SurfacePoint& of) {
+    if (!of.valid || met.distance < of.distance ||
+        (met.distance == of.distance && met.triangle < of.triangle))
+      of = met;
+  };
+  keep(best);
+  if (among == Among::kPreferFacing && faces) keep(facing);
+}
+
+double SurfaceQuery::Implementation::Search::reach() const {
+  if (!best.valid) return std::numeric_limits<double>::infinity();
+  if (among != Among::kPreferFacing) return best.distance;
+  return facing.valid ? std::min(facing.distance, factor * best.distance) : factor * best.distance;
+}
+
+SurfacePoint SurfaceQuery::Implementation::Search::result() const {
+  const bool prefer =
+      among == Among::kPreferFacing && facing.valid && facing.distance <= factor * best.distance;
+  return prefer ? facing : best;
+}
 
 bool SurfaceQuery::Implementation::visit(RTCPointQueryFunctionArguments* arguments) {
   Search& search = *static_cast<Search*>(arguments->userPtr);
-  const Implementation& surface = *search.surface;
-  const std::uint32_t t = arguments->primID;
-  if (search.facing_only && surface.normals[t].dot(search.normal) <= 0) return false;
-  if (search.material && surface.mesh.materials[t] != *search.material) return false;
-  const Vec3 &a = surface.mesh.corner(t, 0), &b = surface.mesh.corner(t, 1), &c = surface.mesh.corner(t, 2);
-  const Vec3 weights = closestWeights(a, b, c, search.position);
-  const Vec3 position = weights[0] * a + weights[1] * b + weights[2] * c;
-  const double distance = (position - search.position).norm();
-  SurfacePoint& best = search.best;
-  if (best.valid && (distance > best.distance || (distance == best.distance && t > best.triangle)))
-    return false;
-  best = {true, distance, position, t, weights};
-  // Boxes as near as that have corners no farther out than query and distance together.
-  const double rounding = kMarginUnit * (search.position.cwiseAbs().maxCoeff() + distance);
-  const float radius = static_cast<float>(distance * (1 + kRelativeMargin) + rounding);
+  search.meet(arguments->primID);
+  const float radius = Implementation::radius(search.position, search.reach());
   if (radius >= arguments->query->radius) return false;
   arguments->query->radius = radius;
   return true;
 }
 
-SurfacePoint SurfaceQuery::Implementation::run(const Vec3& position, const Vec3& normal, bool facing_only,
-                                               Material material) const {
-  Search search{this, position, normal, facing_only, material, {}};
-  RTCPointQuery query{static_cast<float>(position.x()), static_cast<float>(position.y()),
-                      static_cast<float>(position.z()), 0.0f, std::numeric_limits<float>::infinity()};
+bool SurfaceQuery::Implementation::visitProbe(RTCPointQueryFunctionArguments* arguments) {
+  Probe& probe = *static_cast<Probe*>(arguments->userPtr);
+  if (probe.found || probe.surface->on(arguments->primID, probe.position).distance > probe.distance)
+    return false;
+  probe.found = true;
+  arguments->query->radius = 0;
+  return true;
+}
+
+namespace {
+
+RTCPointQuery pointQuery(const Vec3& position, float radius) {
+  return {static_cast<float>(position.x()), static_cast<float>(position.y()),
+          static_cast<float>(position.z()), 0.0f, radius};
+}
+
+}  // namespace
+
+SurfacePoint SurfaceQuery::Implementation::run(Search search) const {
+  RTCPointQuery query = pointQuery(search.position, radius(search.position, search.reach()));
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   rtcPointQuery(scene, &query, &context, &visit, &search);
-  return search.best;
+  return search.result();
 }
 
 SurfaceQuery::SurfaceQuery(WorkingMesh mesh) : implementation_(std::make_unique<Implementation>()) {
@@ -108,11 +164,37 @@ SurfaceQuery::SurfaceQuery(WorkingMesh mesh) : implementation_(std::make_unique<
 SurfaceQuery::~SurfaceQuery() = default;
 
 SurfacePoint SurfaceQuery::closest(const Vec3& position, Material material) const {
-  return implementation_->run(position, Vec3::Zero(), false, material);
+  return implementation_->run(
+      {implementation_.get(), position, Vec3::Zero(), Implementation::Among::kAll, material});
+}
+
+SurfacePoint SurfaceQuery::closestFrom(std::uint32_t near_triangle, const Vec3& position) const {
+  Implementation::Search search{implementation_.get(), position, Vec3::Zero(), Implementation::Among::kAll};
+  search.meet(near_triangle);
+  return implementation_->run(search);
 }
 
 SurfacePoint SurfaceQuery::closestFacing(const Vec3& position, const Vec3& normal, Material material) const {
-  return implementation_->run(position, normal, true, material);
+  return implementation_->run(
+      {implementation_.get(), position, normal, Implementation::Among::kFacing, material});
+}
+
+SurfacePoint SurfaceQuery::closestPreferFacing(const Vec3& position, const Vec3& normal, double factor,
+                                               std::uint32_t near_triangle) const {
+  Implementation::Search search{implementation_.get(), position, normal,
+                                Implementation::Among::kPreferFacing};
+  search.factor = factor;
+  search.meet(near_triangle);
+  return implementation_->run(search);
+}
+
+bool SurfaceQuery::within(const Vec3& position, double distance) const {
+  Implementation::Probe probe{implementation_.get(), position, distance};
+  RTCPointQuery query = pointQuery(position, Implementation::radius(position, distance));
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(implementation_->scene, &query, &context, &Implementation::visitProbe, &probe);
+  return probe.found;
 }
 
 const WorkingMesh& SurfaceQuery::mesh() const {

@@ -20,7 +20,7 @@ struct SurfacePoint {
 // The tree is in single precision, distances are double; the search radius keeps a margin over the tree's
 // rounding, and equal distances go to the smallest triangle index, so that the answer depends neither on the
 // instruction set Embree chose nor on the order in which it walks. Thread-safe. About 2 µs a query near the
-// surface.
+// surface; less where a triangle is named that is about as near as the closest (it changes no answer).
 class SurfaceQuery {
  public:
   // Keeps its own copy of the mesh.
@@ -37,6 +37,14 @@ class SurfaceQuery {
   // never met.
   SurfacePoint closestFacing(const Vec3& position, const Vec3& normal,
                              Material material = std::nullopt) const;
+
+  // The closest of those where it is no farther than `factor` (≥ 1) times the closest of all; else that one.
+  SurfacePoint closestPreferFacing(const Vec3& position, const Vec3& normal, double factor,
+                                   std::uint32_t near_triangle) const;
+  // The closest of all, from a triangle near it.
+  SurfacePoint closestFrom(std::uint32_t near_triangle, const Vec3& position) const;
+  // Whether any point of the surface is that near.
+  bool within(const Vec3& position, double distance) const;
 
   const WorkingMesh& mesh() const;
   const Vec3& triangleNormal(std::uint32_t triangle) const;  // unit; zero for a triangle without area
