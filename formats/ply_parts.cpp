@@ -7,8 +7,8 @@
 #include "formats/gltf_uri.h"
 #include "formats/ply_contents.h"
 #include "formats/ply_textures.h"
-#include "formats/text_scan.h"
 #include "formats/polygon_mesh.h"
+#include "formats/text_scan.h"
 #include "formats/vertex_colors.h"
 
 namespace bakelight::formats {
