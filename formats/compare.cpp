@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 
 #include "formats/mesh_ply.h"
@@ -79,9 +80,12 @@ double hausdorffDistance(const std::vector<Float3>& a, const std::vector<Float3>
   return largest(farthestFromSet(a, PointSet(b)), farthestFromSet(b, PointSet(a)));
 }
 
-std::vector<Float3> centroids(const TriangleMesh& mesh) {
+// Of all triangles, or of those of one material.
+std::vector<Float3> centroids(const TriangleMesh& mesh, std::optional<std::size_t> material = std::nullopt) {
   std::vector<Float3> result;
-  for (const Triangle& t : mesh.triangles) {
+  for (std::size_t i = 0; i < mesh.triangleCount(); ++i) {
+    if (material && mesh.triangle_materials[i] != *material) continue;
+    const Triangle& t = mesh.triangles[i];
     Float3 centroid{};
     for (std::size_t axis = 0; axis < 3; ++axis)
       centroid[axis] =
@@ -286,6 +290,20 @@ void compareGlossy(Comparison& comparison, const RadianceTransfer& transfer,
   compareLists(comparison, "BRDF", material.table.values, expected.table.values, limits);
 }
 
+void compareMaterials(Comparison& comparison, const TriangleMesh& mesh, const TriangleMesh& reference,
+                      const CompareLimits& limits) {
+  if (!agree(comparison, "materials", mesh.material_names.size(), reference.material_names.size())) return;
+  const double diagonal = std::max(boxDiagonal(reference.positions), std::numeric_limits<double>::min());
+  for (std::size_t m = 0; m < mesh.material_names.size(); ++m) {
+    const std::string name = "material " + std::to_string(m);
+    agree(comparison, name + ", name", mesh.material_names[m], reference.material_names[m]);
+    const std::vector<Float3> places = centroids(mesh, m), expected = centroids(reference, m);
+    if (agree(comparison, name + ", triangles", places.size(), expected.size()) && !places.empty())
+      comparison.differences.push_back(
+          {name + ", distance", hausdorffDistance(places, expected) / diagonal, limits.distance});
+  }
+}
+
 std::vector<std::string> sectionNames(const std::filesystem::path& file) {
   std::vector<std::string> names;
   for (const PackSection& section : packSections(readFile(file), file.string()))
@@ -327,6 +345,7 @@ Comparison compareMeshes(const TriangleMesh& mesh, const TriangleMesh& reference
   }
   addAttribute(comparison, "texcoords", mesh.texcoords, reference.texcoords, limits);
   addAttribute(comparison, "colors", mesh.colors, reference.colors, limits);
+  compareMaterials(comparison, mesh, reference, limits);
   return comparison;
 }
 

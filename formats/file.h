@@ -17,6 +17,10 @@ using Bytes = std::vector<std::byte>;
 Bytes readFile(const std::filesystem::path& path);
 std::string readTextFile(const std::filesystem::path& path);
 
+// What the name of `path` ends with, with the dot and in lowercase (ASCII): ".obj" of "Bunny.OBJ". Files are
+// told apart by it.
+std::string lowerEnding(const std::filesystem::path& path);
+
 // Writes to a temporary name in the same folder, syncs, then renames over `path`; makes missing parent
 // folders. Throws Error(kCannotWrite) and removes the temporary file if anything fails; `path` keeps its old
 // content then.

@@ -118,12 +118,33 @@ Image readWith(OIIO::ImageInput& input, const std::string& file, NonFinite non_f
   return image;
 }
 
-std::unique_ptr<OIIO::ImageInput> opened(const std::string& file) {
-  if (!std::filesystem::is_regular_file(file))
-    throw badInput({file, "", ""}, "there is no such file", "an image");
+OIIO::ImageSpec readingHints() {
   OIIO::ImageSpec hints;
   hints["oiio:UnassociatedAlpha"] = 1;  // values as they stand in the file: colour is not multiplied by alpha
   hints["oiio:RawColor"] = 1;           // nor converted
+  return hints;
+}
+
+// The ending by which OpenImageIO finds the reader, or "" for what is no picture that we know.
+std::string endingOf(std::span<const std::byte> bytes) {
+  struct Kind {
+    std::string_view start, ending;
+  };
+  static constexpr Kind kKinds[] = {
+      {"\x89PNG", ".png"}, {"\xFF\xD8\xFF", ".jpg"}, {"GIF8", ".gif"},  {"BM", ".bmp"},
+      {"II*", ".tif"},     {"MM", ".tif"},           {"RIFF", ".webp"}, {"\x76\x2F\x31\x01", ".exr"},
+      {"#?", ".hdr"}};
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  for (const Kind& kind : kKinds) {
+    if (text.starts_with(kind.start)) return std::string(kind.ending);
+  }
+  return "";
+}
+
+std::unique_ptr<OIIO::ImageInput> opened(const std::string& file) {
+  if (!std::filesystem::is_regular_file(file))
+    throw badInput({file, "", ""}, "there is no such file", "an image");
+  const OIIO::ImageSpec hints = readingHints();
   auto input = OIIO::ImageInput::open(file, &hints);
   if (!input) throw unreadable(file, OIIO::geterror());
   return input;
@@ -142,6 +163,24 @@ Image readImage(const std::filesystem::path& path, NonFinite non_finite) {
     return readWith(*opened(file), file, non_finite);
   } catch (const std::bad_alloc&) {
     throw badInput({file, "", ""}, "the image does not fit into memory", "a smaller image");
+  }
+}
+
+Image readImage(std::span<const std::byte> bytes, const std::string& name, NonFinite non_finite) {
+  const std::string ending = endingOf(bytes);
+  if (ending.empty())
+    throw badInput({name, "", ""}, "it is no picture of a known kind",
+                   "PNG, JPEG, GIF, BMP, TIFF, WebP, EXR or Radiance");
+  OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes.data()), bytes.size());
+  OIIO::Filesystem::IOProxy* proxy = &memory;
+  OIIO::ImageSpec hints = readingHints();
+  hints.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  const auto input = OIIO::ImageInput::open("picture" + ending, &hints, &memory);
+  if (!input) throw unreadable(name, OIIO::geterror());
+  try {
+    return readWith(*input, name, non_finite);
+  } catch (const std::bad_alloc&) {
+    throw badInput({name, "", ""}, "the image does not fit into memory", "a smaller image");
   }
 }
 

@@ -5,36 +5,25 @@
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
-#include <functional>
 #include <limits>
+#include <string_view>
 
 #include "formats/error.h"
 #include "formats/file.h"
-#include "formats/mesh_file_check.h"
-#include "formats/ply_header.h"
+#include "formats/mesh_content.h"
+#include "formats/mesh_obj.h"
+#include "formats/mesh_off.h"
+#include "formats/mesh_parts.h"
+#include "formats/mesh_stl.h"
+#include "formats/named_file.h"
+#include "formats/ply_parts.h"
+#include "formats/text_scan.h"
 
 namespace bakelight::formats {
 namespace {
 
 std::string plural(std::size_t count, const std::string& singular, const std::string& plural_form) {
   return std::to_string(count) + " " + (count == 1 ? singular : plural_form);
-}
-
-// sRGB (IEC 61966-2-1) of 0–1.
-float linearFromSrgb(float srgb) {
-  return srgb <= 0.04045F ? srgb / 12.92F : std::pow((srgb + 0.055F) / 1.055F, 2.4F);
-}
-
-// Whether the file's vertex colours are display codes rather than linear values; see mesh_import.h.
-bool hasSrgbColors(const std::filesystem::path& path, const Bytes& bytes) {
-  if (path.extension() == ".obj") return true;
-  if (path.extension() != ".ply") return false;
-  for (const PlyElement& element : readPlyHeader(bytes, path.string()).elements) {
-    for (const PlyProperty& property : element.properties) {
-      if (element.name == "vertex" && property.name == "red") return property.type == PlyScalar::kUint8;
-    }
-  }
-  return false;
 }
 
 // Affine, in double: a chain of node transforms must not cost float bits.
@@ -89,8 +78,7 @@ struct NormalTransform {
 
 class Merger {
  public:
-  Merger(const aiScene& scene, bool srgb_colors, std::string file)
-      : scene_(scene), srgb_colors_(srgb_colors), file_(std::move(file)) {}
+  Merger(const aiScene& scene, std::string file) : scene_(scene), file_(std::move(file)) {}
 
   MeshImport merge() {
     visitNode(*scene_.mRootNode, Transform{});
@@ -201,7 +189,6 @@ class Merger {
         unusable_colors_ += !std::isfinite(value);
         clamped |= value < 0 || value > 1;
         value = std::clamp(value, 0.0F, 1.0F);
-        if (srgb_colors_) value = linearFromSrgb(value);
       }
       clamped_colors_ += clamped;
       result_.mesh.colors.push_back(color);
@@ -267,7 +254,6 @@ class Merger {
   void note(std::string text) { result_.notes.push_back(std::move(text)); }
 
   const aiScene& scene_;
-  bool srgb_colors_;
   std::string file_;
   MeshImport result_;
   std::size_t mesh_count_ = 0, mirrored_meshes_ = 0, points_and_lines_ = 0;
@@ -286,19 +272,13 @@ void checkCorners(const aiScene& scene, const std::string& file) {
         continue;
       throw badInput({file, "face " + std::to_string(i), ""},
                      face.mNumIndices == 0 ? "it has no corner" : "it names a vertex that does not exist",
-                     "indices below " + std::to_string(mesh.mNumVertices),
-                     "copy or export the file again, it was probably cut short");
+                     "indices below " + std::to_string(mesh.mNumVertices), "export the file again");
     }
   }
 }
 
-}  // namespace
-
-MeshImport importMesh(const std::filesystem::path& path) {
+MeshImport importWithAssimp(const std::filesystem::path& path) {
   const std::string file = path.string();
-  const Bytes bytes = readFile(path);
-  const auto notes = checkMeshFile(path, bytes);
-  const bool srgb_colors = hasSrgbColors(path, bytes);
   Assimp::Importer importer;
   const auto unreadable = [&] {
     return badInput({file, "", ""},
@@ -311,11 +291,41 @@ MeshImport importMesh(const std::filesystem::path& path) {
   // Only now, as it fails an assertion on a face without corners.
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr) throw unreadable();
-  MeshImport result = Merger(*scene, srgb_colors, file).merge();
+  MeshImport result = Merger(*scene, file).merge();
   // assimp's 3DS reader does so by the root node's transform: (x, y, z) becomes (x, z, −y).
-  if (path.extension() == ".3ds") result.notes.push_back("3DS files have +Z up: turned to +Y up");
-  result.notes.insert(result.notes.end(), notes.begin(), notes.end());
+  if (lowerEnding(path) == ".3ds") result.notes.push_back("3DS files have +Z up: turned to +Y up");
   return result;
+}
+
+// One reader a format.
+MeshParts readParts(const std::filesystem::path& path, const std::string& ending,
+                    std::span<const std::byte> bytes) {
+  const std::string file = path.string();
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (ending == ".obj") return readObj(text, path, filesOnDisk());
+  if (ending == ".ply")
+    return readPlyParts(bytes.last(withoutByteOrderMark(text).size()), path, filesOnDisk());
+  if (ending == ".stl") return readStl(bytes, file);
+  return readOff(bytes, file);
+}
+
+bool hasReader(const std::string& ending) {
+  return ending == ".obj" || ending == ".ply" || ending == ".stl" || ending == ".off";
+}
+
+}  // namespace
+
+MeshImport importMesh(const std::filesystem::path& path) {
+  const Bytes bytes = readFile(path);
+  const std::string ending = lowerEnding(path);
+  checkMeshContent(bytes, ending, path.string());
+  if (!hasReader(ending)) return importWithAssimp(path);
+  {
+    const auto converted = utf8FromUtf16({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    if (converted)
+      return merged(readParts(path, ending, std::as_bytes(std::span(*converted))), path.string());
+  }
+  return merged(readParts(path, ending, bytes), path.string());
 }
 
 const std::vector<std::string>& meshFileEndings() {

@@ -37,13 +37,17 @@ struct MeshParts {
   std::vector<std::string> notes;
 };
 
-// One mesh of all parts, in order. A vertex whose triangles have different materials is copied, so that each
-// material's colour ends at its border. Colours are the vertex colours times the material's colour, each
-// white where missing; values outside 0–1 are clamped, and noted; there are none if neither colours nor
-// materials' colours are given anywhere. Normals and texture coordinates that not every vertex has, or that
-// are not usable, are left out, and noted. Triangles without a material get a nameless one if others have
-// one. Throws Error(kBadInput) naming `file` if there is no triangle, for more than 2³² vertices, and for a
-// texture without coordinates to look it up.
+// One mesh of all parts that have triangles, in order; indices are in range (the readers have checked them).
+//
+// A vertex whose triangles have different materials is copied, so that each material's colour ends at its
+// border: the first material keeps the vertex, copies follow the part's vertices. Colours are the vertex
+// colours times the material's colour, each white where missing (noted, where no texture explains it); values
+// outside 0–1 are clamped, and noted; there are none if neither colours nor colours of the materials in use
+// are given anywhere. Normals, texture coordinates and vertex colours that are not usable (no direction, not
+// finite), and normals and texture coordinates that not every vertex has, are left out, and noted. Triangles
+// without a material get a nameless one if others have one. Textures that no triangle uses are left out.
+// Throws Error(kBadInput) naming `file` if there is no triangle, for more than 2³² vertices, and for a
+// texture without coordinates to look it up. Cost: linear.
 MeshImport merged(MeshParts parts, const std::string& file);
 
 }  // namespace bakelight::formats

@@ -11,7 +11,9 @@
 #include "formats/error.h"
 #include "formats/file.h"
 #include "formats/hash.h"
+#include "formats/materials.h"
 #include "formats/ply_header.h"
+#include "formats/ply_materials.h"
 
 namespace bakelight::formats {
 namespace {
@@ -35,6 +37,7 @@ class PlyReader {
   TriangleMesh read() {
     const PlyHeader header = readHeader();
     TriangleMesh mesh;
+    mesh.material_names = plyMaterialNames(header.comments);
     for (const PlyElement& element : header.elements) {
       if (element.name == "vertex") {
         readVertices(element, mesh);
@@ -223,17 +226,33 @@ class PlyReader {
     if (!has_indices)
       throw error("header", "faces have no vertices", "property list uchar uint vertex_indices");
     mesh.triangles.reserve(std::min<std::uint64_t>(element.count, bytes_.size() - position_));
+    // Without names they are those of another program.
+    const auto isMaterial = [&](const PlyProperty& property) {
+      return property.name == kPlyMaterialIndex && !property.list_count && isInteger(property.type) &&
+             !mesh.material_names.empty();
+    };
     for (std::uint64_t row = 0; row < element.count; ++row) {
       for (const PlyProperty& property : element.properties) {
         if (isIndexList(property)) {
           mesh.triangles.push_back(triangleFrom(takeList(property, element, row), property, row));
         } else if (property.list_count) {
           takeList(property, element, row);
-        } else {
-          take(sizeOf(property.type), element, row);
+        } else if (const std::byte* data = take(sizeOf(property.type), element, row); isMaterial(property)) {
+          mesh.triangle_materials.push_back(
+              materialFrom(plyIntegerAt(data, property.type), row, mesh.material_names.size()));
         }
       }
     }
+    if (mesh.triangle_materials.empty()) mesh.material_names.clear();
+  }
+
+  std::uint32_t materialFrom(std::int64_t index, std::uint64_t row, std::size_t count) const {
+    if (index < 0 || static_cast<std::uint64_t>(index) >= count) {
+      throw error("face " + std::to_string(row), "material " + std::to_string(index) + " does not exist",
+                  "the index of one of the header's " + std::to_string(count) + " materials, counted from 0",
+                  "make the file again");
+    }
+    return static_cast<std::uint32_t>(index);
   }
 
   static bool isIndexList(const PlyProperty& property) {
@@ -309,6 +328,8 @@ std::byte* put(std::byte* target, const T& value) {
 
 std::string headerOf(const TriangleMesh& mesh) {
   std::string header = "ply\nformat binary_little_endian 1.0\n";
+  for (std::size_t m = 0; m < mesh.material_names.size(); ++m)
+    header += "comment" + plyMaterialComment(m, mesh.material_names[m]) + "\n";
   header += "element vertex " + std::to_string(mesh.vertexCount()) + "\n";
   for (const char* name : {"x", "y", "z"}) header += std::string("property float ") + name + "\n";
   if (!mesh.normals.empty()) {
@@ -319,7 +340,9 @@ std::string headerOf(const TriangleMesh& mesh) {
     for (const char* name : {"red", "green", "blue"}) header += std::string("property float ") + name + "\n";
   }
   header += "element face " + std::to_string(mesh.triangleCount()) + "\n";
-  return header + "property list uchar uint vertex_indices\nend_header\n";
+  header += "property list uchar uint vertex_indices\n";
+  if (!mesh.triangle_materials.empty()) header += std::string("property uint ") + kPlyMaterialIndex + "\n";
+  return header + "end_header\n";
 }
 
 }  // namespace
@@ -332,11 +355,14 @@ void writePly(const std::filesystem::path& path, const TriangleMesh& mesh) {
     throw std::logic_error(
         "a mesh has normals, texture coordinates and colours for all vertices or for none");
   }
+  requireMaterials(mesh);
   const std::string header = headerOf(mesh);
   const std::size_t vertex_size = sizeof(Float3) + (mesh.normals.empty() ? 0 : sizeof(Float3)) +
                                   (mesh.texcoords.empty() ? 0 : sizeof(Float2)) +
                                   (mesh.colors.empty() ? 0 : sizeof(Float3));
-  Bytes bytes(header.size() + count * vertex_size + mesh.triangleCount() * (1 + sizeof(Triangle)));
+  const bool has_materials = !mesh.triangle_materials.empty();
+  const std::size_t face_size = 1 + sizeof(Triangle) + (has_materials ? sizeof(std::uint32_t) : 0);
+  Bytes bytes(header.size() + count * vertex_size + mesh.triangleCount() * face_size);
   std::memcpy(bytes.data(), header.data(), header.size());
   std::byte* cursor = bytes.data() + header.size();
   for (std::size_t i = 0; i < count; ++i) {
@@ -345,7 +371,10 @@ void writePly(const std::filesystem::path& path, const TriangleMesh& mesh) {
     if (!mesh.texcoords.empty()) cursor = put(cursor, mesh.texcoords[i]);
     if (!mesh.colors.empty()) cursor = put(cursor, mesh.colors[i]);
   }
-  for (const Triangle& triangle : mesh.triangles) cursor = put(put(cursor, std::uint8_t{3}), triangle);
+  for (std::size_t t = 0; t < mesh.triangleCount(); ++t) {
+    cursor = put(put(cursor, std::uint8_t{3}), mesh.triangles[t]);
+    if (has_materials) cursor = put(cursor, mesh.triangle_materials[t]);
+  }
   writeFileAtomically(path, bytes);
 }
 

@@ -16,12 +16,13 @@ namespace bakelight::formats {
 
 // Properties: x y z, then nx ny nz if there are normals, then s t if there are texcoords, then
 // red green blue (linear albedo) if there are colours, all float32; faces
-// as `list uchar uint vertex_indices`. Atomic. Throws Error(kCannotWrite).
+// as `list uchar uint vertex_indices`, then `uint material_index` if there are materials, whose names are
+// comments of the header (ply_materials.h). Atomic. Throws Error(kCannotWrite).
 void writePly(const std::filesystem::path& path, const TriangleMesh& mesh);
 
 // Reads what writePly wrote, bit for bit and in the same order, and tolerates further properties and
 // elements. Throws Error(kBadInput) naming file and element: not a PLY, truncated, not little-endian binary,
-// an index out of range, a polygon, a position or normal that is not finite.
+// an index out of range (of a material, too), a polygon, a position or normal that is not finite.
 TriangleMesh readPly(const std::filesystem::path& path);
 
 // Pairs of vertices from the file's `element edge` (integers vertex1 and vertex2), as MeshLab and Blender
@@ -29,7 +30,8 @@ TriangleMesh readPly(const std::filesystem::path& path);
 std::vector<std::array<std::uint32_t, 2>> readPlyEdges(const std::filesystem::path& path);
 
 // Names positions, normals and triangles (values and order) in 32 hex digits. What was baked for one mesh
-// carries it, so that it is never put on another. Texture coordinates and colours do not count.
+// carries it, so that it is never put on another. Texture coordinates, colours and materials do not
+// count.
 std::string geometryHash(const TriangleMesh& mesh);
 
 }  // namespace bakelight::formats

@@ -51,13 +51,21 @@ class HeaderReader {
       : text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()), file_(std::move(file)) {}
 
   PlyHeader read() {
-    if (!text_.starts_with("ply") || nextLine() != "ply") {
+    const std::size_t first_end = text_.find_first_of("\r\n");
+    if (!text_.starts_with("ply") || text_.substr(0, first_end).find_first_not_of(" \t", 3) != kNone)
       throw badInput({file_, "", ""}, "this is not a PLY file", "a first line that says ply");
-    }
+    // Told by the first line, as a body of bytes may begin with LF after the header's last CR.
+    if (first_end != kNone && text_[first_end] == '\r' && text_.substr(first_end, 2) != "\r\n")
+      line_end_ = '\r';
+    nextLine();
     for (std::string_view line = nextLine();; line = nextLine()) {
       const auto words = wordsOf(line);
-      if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+      if (words.empty() || words[0] == "obj_info") continue;
       if (words[0] == "end_header") break;
+      if (words[0] == "comment") {
+        header_.comments.emplace_back(line.substr(static_cast<std::size_t>(words[0].end() - line.begin())));
+        continue;
+      }
       if (words[0] == "format" && words.size() == 3) {
         header_.format = words[1];
         header_.version = words[2];
@@ -65,8 +73,10 @@ class HeaderReader {
         readElement(line, words);
       } else if (words[0] == "property" && !header_.elements.empty()) {
         readProperty(line, words);
-      } else {
+      } else if (isKeyword(words[0])) {
         throw malformed(line);
+      } else {
+        header_.unknown_lines.emplace_back(line.substr(0, 80));
       }
     }
     if (header_.format.empty()) throw error("there is no format line", "format binary_little_endian 1.0");
@@ -79,16 +89,21 @@ class HeaderReader {
   }
 
   Error malformed(std::string_view line) const {
-    return error("the line '" + std::string(line.substr(0, 80)) + "' is malformed",
+    return error("line " + std::to_string(header_.line_count) + ", '" + std::string(line.substr(0, 80)) +
+                     "', is malformed",
                  "format, element, property, comment or end_header");
   }
 
+  static bool isKeyword(std::string_view word) {
+    return word == "format" || word == "element" || word == "property";
+  }
+
   std::string_view nextLine() {
-    const std::size_t end = text_.find('\n', header_.size_bytes);
-    if (end == std::string_view::npos)
-      throw error("the file ends inside the header", "a line end_header", kCutRemedy);
+    const std::size_t end = text_.find(line_end_, header_.size_bytes);
+    if (end == kNone) throw error("the file ends inside the header", "a line end_header", kCutRemedy);
     std::string_view line = text_.substr(header_.size_bytes, end - header_.size_bytes);
     header_.size_bytes = end + 1;
+    ++header_.line_count;
     if (line.ends_with('\r')) line.remove_suffix(1);
     return line;
   }
@@ -118,86 +133,12 @@ class HeaderReader {
     header_.elements.back().properties.push_back(std::move(property));
   }
 
+  static constexpr std::size_t kNone = std::string_view::npos;
+
   std::string_view text_;
   std::string file_;
+  char line_end_ = '\n';
   PlyHeader header_;
-};
-
-Error endsEarly(const std::string& file, const PlyElement& element, std::uint64_t row) {
-  return badInput({file, element.name + " " + std::to_string(row), ""}, "the file ends here",
-                  std::to_string(element.count) + " rows of " + element.name, kCutRemedy);
-}
-
-// A body as a row of values; `remaining` counts bytes (binary) or words (ascii).
-class BodyCheck {
- public:
-  BodyCheck(const PlyHeader& header, std::span<const std::byte> body, const std::string& file)
-      : header_(header), body_(body), file_(file), is_text_(header.format == "ascii") {}
-
-  void run() {
-    for (const PlyElement& element : header_.elements) {
-      if (element.properties.empty()) continue;
-      for (std::uint64_t row = 0; row < element.count; ++row) {
-        for (const PlyProperty& property : element.properties) {
-          if (!takeProperty(property)) throw endsEarly(file_, element, row);
-        }
-      }
-    }
-  }
-
- private:
-  bool takeProperty(const PlyProperty& property) {
-    if (!property.list_count) return is_text_ ? takeWord().has_value() : skipBytes(sizeOf(property.type));
-    const auto count = is_text_ ? takeTextCount() : takeBinaryCount(*property.list_count);
-    if (!count) return false;
-    if (!is_text_) return skipBytes(*count * sizeOf(property.type));
-    for (std::uint64_t i = 0; i < *count; ++i) {
-      if (!takeWord()) return false;
-    }
-    return true;
-  }
-
-  bool skipBytes(std::uint64_t size) {
-    if (size > body_.size() - position_) return false;
-    position_ += size;
-    return true;
-  }
-
-  std::optional<std::uint64_t> takeBinaryCount(PlyScalar type) {
-    const std::size_t size = sizeOf(type);
-    std::array<std::byte, 8> bytes{};
-    if (size > body_.size() - position_) return std::nullopt;
-    std::memcpy(bytes.data(), body_.data() + position_, size);
-    if (header_.format == "binary_big_endian")
-      std::reverse(bytes.begin(), bytes.begin() + static_cast<int>(size));
-    position_ += size;
-    const std::int64_t count = plyIntegerAt(bytes.data(), type);
-    return count < 0 ? std::nullopt : std::optional(static_cast<std::uint64_t>(count));
-  }
-
-  std::optional<std::uint64_t> takeTextCount() {
-    const auto word = takeWord();
-    std::uint32_t count = 0;
-    if (!word || std::from_chars(word->data(), word->data() + word->size(), count).ec != std::errc())
-      return std::nullopt;
-    return count;
-  }
-
-  std::optional<std::string_view> takeWord() {
-    const auto* text = reinterpret_cast<const char*>(body_.data());
-    const auto isSpace = [](char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; };
-    while (position_ < body_.size() && isSpace(text[position_])) ++position_;
-    const std::size_t begin = position_;
-    while (position_ < body_.size() && !isSpace(text[position_])) ++position_;
-    if (position_ == begin) return std::nullopt;
-    return std::string_view(text + begin, position_ - begin);
-  }
-
-  const PlyHeader& header_;
-  std::span<const std::byte> body_;
-  const std::string& file_;
-  bool is_text_;
-  std::size_t position_ = 0;
 };
 
 }  // namespace
@@ -242,10 +183,6 @@ std::int64_t plyIntegerAt(const std::byte* data, PlyScalar type) {
 
 PlyHeader readPlyHeader(std::span<const std::byte> bytes, const std::string& file) {
   return HeaderReader(bytes, file).read();
-}
-
-void checkPlyBody(const PlyHeader& header, std::span<const std::byte> bytes, const std::string& file) {
-  BodyCheck(header, bytes.subspan(header.size_bytes), file).run();
 }
 
 }  // namespace bakelight::formats

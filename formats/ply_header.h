@@ -1,5 +1,4 @@
-// The header of a PLY file, and how long its body has to be. Private to formats/mesh_ply.cpp and
-// formats/mesh_import.cpp.
+// The header of a PLY file. Private to formats/mesh_ply.cpp and formats/ply_parts.cpp.
 #pragma once
 
 #include <cstddef>
@@ -33,14 +32,14 @@ struct PlyElement {
 struct PlyHeader {
   std::string format, version;  // "ascii", "binary_little_endian", "binary_big_endian"; "1.0"
   std::vector<PlyElement> elements;
-  std::size_t size_bytes = 0;  // where the body begins
+  std::vector<std::string> comments;       // each without the word itself
+  std::vector<std::string> unknown_lines;  // begin with no keyword of PLY, as some exporters write their name
+  std::size_t size_bytes = 0;              // where the body begins
+  std::uint64_t line_count = 0;            // up to there
 };
 
-// Throws Error(kBadInput) naming `file` and the malformed line.
+// Lines may end in LF, CR LF or CR, the same in the whole header. Throws Error(kBadInput) naming `file` and
+// the malformed line.
 PlyHeader readPlyHeader(std::span<const std::byte> bytes, const std::string& file);
-
-// Throws Error(kBadInput) naming `file` and the element where the body ends too early. Any of the three
-// formats. Cost: a pass over the lists.
-void checkPlyBody(const PlyHeader& header, std::span<const std::byte> bytes, const std::string& file);
 
 }  // namespace bakelight::formats

@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "formats/materials.h"
 #include "formats/mesh_ply.h"
 #include "tools/atlas/geometry_maps.h"
 #include "tools/atlas/make_atlas.h"
@@ -45,5 +46,6 @@ int main(int argc, char** argv) {
     for (const std::string& warning : result.report.warnings) run.warn(warning);
     const formats::Json stats = atlas::toJson(result.report);
     for (const auto& [name, value] : stats.items()) run.stat(name, value);
+    run.stat("materials", formats::usedMaterials(result.atlas.mesh));
   });
 }

@@ -95,6 +95,10 @@ void assemble(const formats::TriangleMesh& mesh, const Surface& surface, const s
   atlas.chart_count = static_cast<std::uint32_t>(pieces.size());
   atlas.triangle_charts.resize(surface.triangleCount());
   atlas.mesh.triangles.resize(surface.triangleCount());
+  atlas.mesh.material_names = mesh.material_names;
+  if (!mesh.triangle_materials.empty())
+    for (const std::uint32_t t : surface.source_triangles)
+      atlas.mesh.triangle_materials.push_back(mesh.triangle_materials[t]);
   std::vector<AtlasCorner> corners;
   corners.reserve(3 * surface.triangleCount());
   for (std::uint32_t c = 0; c < pieces.size(); ++c) {

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "formats/error.h"
+#include "formats/materials.h"
 #include "tools/inspect/atlas_figures.h"
 #include "tools/inspect/colormap.h"
 #include "tools/inspect/preview.h"
@@ -93,7 +94,21 @@ Painting paintStretch(const TriangleMesh& mesh, const AtlasFigures& figures) {
   return painting;
 }
 
-Painting paint(const TriangleMesh& mesh, const AtlasFigures& figures, Paint kind) {
+Painting paintMaterials(const TriangleMesh& mesh, const std::string& file) {
+  if (mesh.triangle_materials.empty())
+    throw badInput({file, "", ""}, "has no materials to paint", "a mesh whose triangles have materials",
+                   "leave out --paint");
+  Painting painting;
+  for (const std::uint32_t material : mesh.triangle_materials)
+    painting.colors.push_back(linearColor(chartColor(material)));
+  const std::size_t count = formats::usedMaterials(mesh);
+  painting.caption = std::to_string(count) + (count == 1 ? " material" : " materials") +
+                     " in different colours, each twelfth in the same one";
+  return painting;
+}
+
+Painting paint(const TriangleMesh& mesh, const AtlasFigures& figures, Paint kind, const std::string& file) {
+  if (kind == Paint::kMaterials) return paintMaterials(mesh, file);
   if (kind == Paint::kCharts) return paintCharts(mesh, figures);
   if (kind == Paint::kStretch) return paintStretch(mesh, figures);
   return {std::vector<Float3>(mesh.triangleCount(), {kUnpainted, kUnpainted, kUnpainted}), "charts"};
@@ -112,23 +127,23 @@ TriangleMesh takenApart(const TriangleMesh& mesh) {
   return apart;
 }
 
-// Darkens the pixels along the lines on which the charts that subsamples see change.
-void drawChartBorders(transport::CpuPicture& picture, const std::vector<std::uint32_t>& triangle_charts) {
+// Darkens the pixels along the lines on which the charts, or materials, that subsamples see change.
+void drawBorders(transport::CpuPicture& picture, const std::vector<std::uint32_t>& triangle_regions) {
   const int width = picture.linear.width * kSupersampling, height = picture.linear.height * kSupersampling;
   constexpr int kReach = static_cast<int>(kLineWidth_px * kSupersampling / 2);
-  const auto chartAt = [&](int x, int y) -> std::int64_t {
+  const auto regionAt = [&](int x, int y) -> std::int64_t {
     if (x < 0 || y < 0 || x >= width || y >= height) return -1;
     const transport::SubsampleHit& hit =
         picture.hits[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                      static_cast<std::size_t>(x)];
-    return hit.valid() ? triangle_charts[hit.triangle] : -1;
+    return hit.valid() ? triangle_regions[hit.triangle] : -1;
   };
   const auto isBorder = [&](int x, int y) {
-    const std::int64_t own = chartAt(x, y);
+    const std::int64_t own = regionAt(x, y);
     if (own < 0) return false;
     for (int dy = -kReach; dy <= kReach; ++dy)
       for (int dx = -kReach; dx <= kReach; ++dx) {
-        const std::int64_t other = chartAt(x + dx, y + dy);
+        const std::int64_t other = regionAt(x + dx, y + dy);
         if (dx * dx + dy * dy <= kReach * kReach && other >= 0 && other != own) return true;
       }
     return false;
@@ -145,8 +160,8 @@ void drawChartBorders(transport::CpuPicture& picture, const std::vector<std::uin
     }
 }
 
-Image drawModel(const TriangleMesh& mesh, const AtlasFigures& figures, const Painting& painting,
-                const PreviewOptions& options, const std::string& file) {
+Image drawModel(const TriangleMesh& mesh, const std::vector<std::uint32_t>& triangle_regions,
+                const Painting& painting, const PreviewOptions& options, const std::string& file) {
   const transport::OrbitCamera camera = cameraFor(mesh, options, file);
   const std::vector<Float3> clay = clayRadiance(mesh);
   std::vector<Float3> radiance;
@@ -158,7 +173,7 @@ Image drawModel(const TriangleMesh& mesh, const AtlasFigures& figures, const Pai
     }
   const double exposure = defaultExposure();
   transport::CpuPicture picture = takePicture(takenApart(mesh), radiance, camera, exposure, options);
-  drawChartBorders(picture, figures.triangle_charts);
+  drawBorders(picture, triangle_regions);
   return transport::encodeForDisplay(picture.linear, static_cast<float>(exposure));
 }
 
@@ -271,7 +286,7 @@ Image drawSquare(const TriangleMesh& mesh, const AtlasFigures& figures, const Pa
 }  // namespace
 
 const std::vector<std::string>& paintNames() {
-  static const std::vector<std::string> names = {"auto", "none", "charts", "stretch"};
+  static const std::vector<std::string> names = {"auto", "none", "charts", "stretch", "materials"};
   return names;
 }
 
@@ -289,6 +304,12 @@ Layout layoutOf(const std::string& name) {
   return name == layoutNames().back() ? Layout::kAtlas : Layout::kModel;
 }
 
+Preview previewMaterials(const TriangleMesh& mesh, const PreviewOptions& options, const std::string& file) {
+  const Painting painting = paintMaterials(mesh, file);
+  return {drawModel(mesh, mesh.triangle_materials, painting, options, file),
+          painting.caption + "; on clay without shadows, dark lines between materials"};
+}
+
 Preview previewAtlas(const TriangleMesh& mesh, const PreviewOptions& options, const std::string& file) {
   if (mesh.texcoords.empty())
     throw badInput({file, "", ""}, "has no texture coordinates, so there are no charts to draw",
@@ -296,9 +317,9 @@ Preview previewAtlas(const TriangleMesh& mesh, const PreviewOptions& options, co
                    "run the atlas tool on it, or draw it with --paint none");
   const AtlasFigures figures = measureAtlas(mesh);
   const Paint kind = options.paint == Paint::kAutomatic ? Paint::kCharts : options.paint;
-  Painting painting = paint(mesh, figures, kind);
+  Painting painting = paint(mesh, figures, kind, file);
   if (options.layout == Layout::kModel)
-    return {drawModel(mesh, figures, painting, options, file),
+    return {drawModel(mesh, figures.triangle_charts, painting, options, file),
             painting.caption + "; on clay without shadows, dark lines between charts"};
   std::string caption = painting.caption + "; the unit square, u to the right and v upwards";
   if (figures.triangles_outside > 0)

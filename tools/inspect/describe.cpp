@@ -80,9 +80,27 @@ Section attributesSection(const MeshFigures& figures, const std::string& hash) {
            {"unit_normals", normals ? Json(figures.normal_length_error <= kUnitTolerance) : Json(), ""},
            {"normal_length_error", normals ? Json(figures.normal_length_error) : Json(), ""},
            {"texcoords", figures.has_texcoords, ""},
+           {"colors", figures.has_colors, ""},
            {"geometry_hash", hash, ""}},
           {},
           {}};
+}
+
+// Names come from files of any program: what is no UTF-8 becomes U+FFFD, control characters question marks.
+std::string printable(const std::string& name) {
+  std::string text =
+      Json::parse(Json(name).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
+  return text;
+}
+
+Section materialsSection(const formats::TriangleMesh& mesh, const MeshFigures& figures) {
+  Section section{"materials", {}, {"index", "name", "triangles", "area"}, {}};
+  for (std::size_t m = 0; m < figures.materials.size(); ++m)
+    section.rows.push_back(
+        {m, printable(mesh.material_names[m]), figures.materials[m].triangles, figures.materials[m].area});
+  return section;
 }
 
 std::string shapeText(const std::vector<std::uint64_t>& shape) {
@@ -159,6 +177,7 @@ std::vector<Section> describeMesh(const formats::TriangleMesh& mesh, const std::
   std::vector<Section> sections = {sizeSection(figures), shapeSection(figures), topologySection(figures),
                                    attributesSection(figures, formats::geometryHash(mesh))};
   if (!mesh.texcoords.empty()) sections.push_back(atlasSection(measureAtlas(mesh)));
+  if (!figures.materials.empty()) sections.push_back(materialsSection(mesh, figures));
   if (!notes.empty()) sections.push_back(listSection("notes", "note", notes));
   return sections;
 }

@@ -26,9 +26,13 @@ formats::MeshImport readMesh(const std::filesystem::path& path) {
 void inspectMesh(const std::filesystem::path& path, const Options& options, Inspection& inspection) {
   const formats::MeshImport import = readMesh(path);
   inspection.summary.sections = describeMesh(import.mesh, import.notes);
-  if (options)
-    inspection.preview = options->showsTexcoords() ? previewAtlas(import.mesh, *options, path.string())
-                                                   : previewMesh(import.mesh, *options, path.string());
+  if (!options) return;
+  if (options->showsTexcoords())
+    inspection.preview = previewAtlas(import.mesh, *options, path.string());
+  else if (options->paint == Paint::kMaterials)
+    inspection.preview = previewMaterials(import.mesh, *options, path.string());
+  else
+    inspection.preview = previewMesh(import.mesh, *options, path.string());
 }
 
 void inspectImage(const std::filesystem::path& path, const Options& options, Inspection& inspection) {
@@ -48,9 +52,13 @@ void inspectPack(const std::filesystem::path& path, const Options& options, Insp
   const formats::Bytes bytes = formats::readFile(path);
   const formats::Pack pack = formats::decodePack(bytes, path.string());
   inspection.summary.sections = describePack(pack, bytes, path.string());
-  if (options)
-    inspection.preview = options->showsTexcoords() ? previewAtlas(pack.mesh, *options, path.string())
-                                                   : previewPack(pack, *options, path.string());
+  if (!options) return;
+  if (options->showsTexcoords())
+    inspection.preview = previewAtlas(pack.mesh, *options, path.string());
+  else if (options->paint == Paint::kMaterials)
+    inspection.preview = previewMaterials(pack.mesh, *options, path.string());
+  else
+    inspection.preview = previewPack(pack, *options, path.string());
 }
 
 void inspectRecord(const std::filesystem::path& path, const Options& options, Inspection& inspection) {

@@ -19,7 +19,8 @@ int main(int argc, char** argv) {
       .parameter("yaw_deg", options.yaw_deg, {-360, 360}, "deg", "Camera angle around +Y, 0 stands at +Z")
       .parameter("pitch_deg", options.pitch_deg, {-89, 89}, "deg", "Camera angle above the horizon")
       .parameter("paint", paint, inspect::paintNames(),
-                 "Of a mesh's or pack's preview: a colour for each chart, or how much texture triangles have")
+                 "Of a mesh's or pack's preview: a colour for each chart or material, or how much texture "
+                 "triangles have")
       .parameter("layout", layout, inspect::layoutNames(),
                  "Of a mesh's or pack's preview: the model, or its texture coordinates in the unit square");
 

@@ -81,8 +81,18 @@ void measureBounds(const TriangleMesh& mesh, MeshFigures& figures) {
 void measureNormals(const TriangleMesh& mesh, MeshFigures& figures) {
   figures.has_normals = !mesh.normals.empty();
   figures.has_texcoords = !mesh.texcoords.empty();
+  figures.has_colors = !mesh.colors.empty();
   for (const Float3& normal : mesh.normals)
     figures.normal_length_error = std::max(figures.normal_length_error, std::abs(vec3(normal).norm() - 1));
+}
+
+void measureMaterials(const TriangleMesh& mesh, MeshFigures& figures) {
+  figures.materials.resize(mesh.material_names.size());
+  for (std::size_t t = 0; t < mesh.triangle_materials.size(); ++t) {
+    MeshFigures::Material& material = figures.materials[mesh.triangle_materials[t]];
+    ++material.triangles;
+    material.area += areaOf(mesh, mesh.triangles[t]);
+  }
 }
 
 // Triangles with an area, by the first vertex at each corner's position.
@@ -177,6 +187,7 @@ MeshFigures measureMesh(const TriangleMesh& mesh) {
   figures.triangles = mesh.triangleCount();
   measureBounds(mesh, figures);
   measureNormals(mesh, figures);
+  measureMaterials(mesh, figures);
 
   const std::vector<std::uint32_t> first = firstVertexAtPosition(mesh);
   for (std::uint32_t i = 0; i < first.size(); ++i)

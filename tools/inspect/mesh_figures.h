@@ -33,7 +33,14 @@ struct MeshFigures {
   bool closed = false;                    // every edge has two triangles
   double volume = 0;                      // enclosed; positive if triangles face outwards; 0 unless closed
 
-  bool has_normals = false, has_texcoords = false;
+  // Of the material of each triangle, in the order of their names; empty without materials.
+  struct Material {
+    std::uint64_t triangles = 0;
+    double area = 0;
+  };
+  std::vector<Material> materials;
+
+  bool has_normals = false, has_texcoords = false, has_colors = false;
   double normal_length_error = 0;  // largest |length − 1|
 };
 

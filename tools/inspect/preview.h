@@ -14,8 +14,9 @@ namespace bakelight::inspect {
 enum class Paint {
   kAutomatic,  // charts in the atlas's layout, else none
   kNone,
-  kCharts,   // a colour for each chart of the texture coordinates
-  kStretch,  // how much texture each triangle has
+  kCharts,     // a colour for each chart of the texture coordinates
+  kStretch,    // how much texture each triangle has
+  kMaterials,  // a colour for each material
 };
 enum class Layout {
   kModel,  // a render
@@ -50,11 +51,16 @@ struct Preview {
 Preview previewMesh(const formats::TriangleMesh& mesh, const PreviewOptions& options,
                     const std::string& file);
 
-// Charts or stretch, on the clay or in the unit square (u right, v up), whatever `options` ask for; dark
-// lines where charts end. Throws Error(kBadInput) naming `file` if the mesh has no texture coordinates or no
-// extent.
+// Charts, stretch or materials, on the clay or in the unit square (u right, v up), whatever `options` ask
+// for; dark lines where charts end. Throws Error(kBadInput) naming `file` if the mesh has no texture
+// coordinates or no extent.
 Preview previewAtlas(const formats::TriangleMesh& mesh, const PreviewOptions& options,
                      const std::string& file);
+
+// A colour for each material on the clay, dark lines where materials end. Throws Error(kBadInput) naming
+// `file` if the mesh has no materials or no extent.
+Preview previewMaterials(const formats::TriangleMesh& mesh, const PreviewOptions& options,
+                         const std::string& file);
 
 // The pack under transport::defaultLight as distant light, glossy part included, as the player shows it.
 // Throws like previewMesh.

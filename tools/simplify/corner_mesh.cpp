@@ -13,7 +13,8 @@ CornerMesh::CornerMesh(const WorkingMesh& mesh)
       leaving(mesh.positions.size(), kNone),
       side_feature(3 * mesh.triangles.size(), 0),
       feature(mesh.positions.size(), 0),
-      locked(mesh.positions.size(), 0) {
+      locked(mesh.positions.size(), 0),
+      materials(mesh.materials) {
   const EdgeGroups edges(mesh);
   tbb::parallel_for(std::size_t{0}, edges.count(), [&](std::size_t g) {
     const auto sides = edges.group(g);
@@ -75,10 +76,11 @@ std::uint32_t CornerMesh::addVertex(const Vec3& place) {
   return static_cast<std::uint32_t>(positions.size() - 1);
 }
 
-std::uint32_t CornerMesh::addTriangle(const Triangle& triangle, [[maybe_unused]] std::uint32_t like) {
+std::uint32_t CornerMesh::addTriangle(const Triangle& triangle, std::uint32_t like) {
   triangles.push_back(Triangle(triangle));
   opposite.resize(opposite.size() + 3, kNone);
   side_feature.resize(side_feature.size() + 3, 0);
+  if (!materials.empty()) materials.push_back(std::uint32_t{materials[like]});
   return static_cast<std::uint32_t>(triangles.size() - 1);
 }
 
@@ -165,6 +167,7 @@ void CornerMesh::compact() {
   for (std::uint32_t t = 0; t < new_triangle.size(); ++t) {
     if (new_triangle[t] == kNone) continue;
     const std::uint32_t to = new_triangle[t];
+    if (!materials.empty()) materials[to] = materials[t];
     for (std::uint32_t k = 0; k < 3; ++k) {
       triangles[to][k] = new_vertex[triangles[t][k]];
       opposite[3 * to + k] = newSide(opposite[3 * t + k]);
@@ -174,6 +177,7 @@ void CornerMesh::compact() {
   for (std::uint32_t v = 0; v < vertices; ++v) leaving[v] = newSide(leaving[v]);
   positions.resize(vertices), leaving.resize(vertices), feature.resize(vertices), locked.resize(vertices);
   triangles.resize(kept), opposite.resize(3 * std::size_t{kept}), side_feature.resize(3 * std::size_t{kept});
+  if (!materials.empty()) materials.resize(kept);
 }
 
 }  // namespace bakelight::simplify

@@ -25,6 +25,8 @@ class CornerMesh {
   std::vector<std::uint8_t> side_feature;  // 1 on creases and borders (features.h), on both sides
   std::vector<std::uint8_t> feature, locked;  // of each vertex
 
+  std::vector<std::uint32_t> materials;  // of each triangle; empty where there are none
+
   std::uint32_t start(Side s) const { return triangles[s / 3][s % 3]; }
   std::uint32_t end(Side s) const { return start(nextSide(s)); }
   std::uint32_t apex(Side s) const { return start(previousSide(s)); }
@@ -72,6 +74,10 @@ class CornerMesh {
   // of `side` first.
   void splitEdge(Side side, const Vec3& place);
 
+  // An edge between triangles of two materials.
+  bool isMaterialBorder(Side s) const {
+    return !materials.empty() && opposite[s] != kNone && materials[s / 3] != materials[opposite[s] / 3];
+  }
   // One of the two sides of an edge, for loops over edges.
   bool isEdge(Side s) const { return alive(s / 3) && (opposite[s] == kNone || s < opposite[s]); }
   double length(Side s) const { return (positions[end(s)] - positions[start(s)]).norm(); }

@@ -9,12 +9,15 @@
 namespace bakelight::simplify {
 
 std::uint64_t addBacks(formats::TriangleMesh& mesh) {
+  return addBacksTo(mesh, transport::openTriangles(mesh, transport::coincidentVertices(mesh)));
+}
+
+std::uint64_t addBacksTo(formats::TriangleMesh& mesh, const std::vector<std::uint8_t>& has_back) {
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  const std::vector<std::uint8_t> open = transport::openTriangles(mesh, transport::coincidentVertices(mesh));
   std::vector<std::uint32_t> back_of(mesh.vertexCount(), kNone);
   const std::size_t fronts = mesh.triangleCount();
   for (std::size_t t = 0; t < fronts; ++t) {
-    if (open[t] == 0) continue;
+    if (has_back[t] == 0) continue;
     formats::Triangle back = mesh.triangles[t];
     for (std::uint32_t& v : back) {
       if (back_of[v] == kNone) {
@@ -29,6 +32,8 @@ std::uint64_t addBacks(formats::TriangleMesh& mesh) {
     }
     std::swap(back[1], back[2]);
     mesh.triangles.push_back(back);
+    if (!mesh.triangle_materials.empty())
+      mesh.triangle_materials.push_back(std::uint32_t{mesh.triangle_materials[t]});
   }
   return mesh.triangleCount() - fronts;
 }

@@ -4,15 +4,49 @@
 
 namespace bakelight::simplify {
 
+bool isMaterialBorder(const HalfEdgeMesh& mesh, EdgeHandle edge) {
+  if (mesh.is_boundary(edge)) return false;
+  const HalfedgeHandle h = mesh.halfedge_handle(edge, 0);
+  return mesh.data(mesh.face_handle(h)).material != mesh.data(mesh.opposite_face_handle(h)).material;
+}
+
+VertexHandle splitEdge(HalfEdgeMesh& mesh, EdgeHandle edge, const Point& place) {
+  struct Side {
+    VertexHandle apex;
+    std::uint32_t material;
+  };
+  std::vector<Side> sides;
+  for (const unsigned side : {0u, 1u}) {
+    const HalfedgeHandle h = mesh.halfedge_handle(edge, side);
+    if (mesh.is_boundary(h)) continue;
+    sides.push_back(
+        {mesh.to_vertex_handle(mesh.next_halfedge_handle(h)), mesh.data(mesh.face_handle(h)).material});
+  }
+  const VertexHandle middle = mesh.split(edge, place);
+  for (const Side& side : sides) {
+    const HalfedgeHandle h = mesh.find_halfedge(middle, side.apex);
+    mesh.data(mesh.face_handle(h)).material = side.material;
+    mesh.data(mesh.opposite_face_handle(h)).material = side.material;
+  }
+  return middle;
+}
+
+VertexHandle splitFace(HalfEdgeMesh& mesh, FaceHandle face, const Point& place) {
+  const std::uint32_t material = mesh.data(face).material;
+  const VertexHandle middle = mesh.split(face, place);
+  for (const auto part : mesh.vf_range(middle)) mesh.data(part).material = material;
+  return middle;
+}
+
 HalfEdgeMesh halfEdgeMesh(const WorkingMesh& mesh) {
   HalfEdgeMesh half_edges;
   half_edges.reserve(mesh.positions.size(), 3 * mesh.triangles.size() / 2 + 3, mesh.triangles.size());
   for (const Vec3& position : mesh.positions) half_edges.add_vertex(point(position));
-  for (const Triangle& t : mesh.triangles) {
-    const auto vertex = [&](int k) { return half_edges.vertex_handle(t[k]); };
-    if (!half_edges.add_face(vertex(0), vertex(1), vertex(2)).is_valid()) {
-      throw std::logic_error("simplify: a repaired mesh is not an oriented manifold");
-    }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto vertex = [&](int k) { return half_edges.vertex_handle(mesh.triangles[t][k]); };
+    const FaceHandle face = half_edges.add_face(vertex(0), vertex(1), vertex(2));
+    if (!face.is_valid()) throw std::logic_error("simplify: a repaired mesh is not an oriented manifold");
+    if (!mesh.materials.empty()) half_edges.data(face).material = mesh.materials[t];
   }
   return half_edges;
 }
@@ -29,6 +63,8 @@ WorkingMesh workingMesh(HalfEdgeMesh& half_edges) {
     for (const auto vertex : half_edges.fv_range(face))
       triangle[k++] = static_cast<std::uint32_t>(vertex.idx());
     mesh.triangles.push_back(triangle);
+    const std::uint32_t material = half_edges.data(face).material;
+    if (material != kNoMaterial) mesh.materials.push_back(material);
   }
   return mesh;
 }

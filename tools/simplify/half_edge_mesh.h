@@ -8,7 +8,10 @@
 
 namespace bakelight::simplify {
 
+inline constexpr std::uint32_t kNoMaterial = ~std::uint32_t{0};
+
 struct HalfEdgeTraits : OpenMesh::DefaultTraitsDouble {
+  FaceTraits { std::uint32_t material = kNoMaterial; };
   VertexAttributes(OpenMesh::Attributes::Status);
   EdgeAttributes(OpenMesh::Attributes::Status);
   FaceAttributes(OpenMesh::Attributes::Status | OpenMesh::Attributes::Normal);
@@ -27,6 +30,13 @@ inline Vec3 vec3(const Point& p) {
 inline Point point(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
+
+// An edge between triangles of two materials.
+bool isMaterialBorder(const HalfEdgeMesh& mesh, EdgeHandle edge);
+
+// As OpenMesh's split(), and the parts keep the material of the triangle that they are of.
+VertexHandle splitEdge(HalfEdgeMesh& mesh, EdgeHandle edge, const Point& place);
+VertexHandle splitFace(HalfEdgeMesh& mesh, FaceHandle face, const Point& place);
 
 // Throws std::logic_error if `mesh` is not an oriented manifold (repair() makes it one).
 HalfEdgeMesh halfEdgeMesh(const WorkingMesh& mesh);

@@ -19,12 +19,11 @@ int main(int argc, char** argv) {
   stage::Tool tool("simplify", "Repairs a mesh and reduces it to a given number of round triangles");
   tool.input("mesh", "mesh", mesh_path, "Any mesh file that assimp reads: OBJ, PLY, STL, OFF, glTF, 3DS, ...")
       .input("texture", "image", texture_path,
-             "Albedo for the mesh's texture coordinates; 8-bit images are sRGB. Becomes vertex colours, as "
-             "do the "
-             "mesh's own colours",
+             "Albedo for the mesh's texture coordinates, in place of its own textures and colours; 8-bit "
+             "images are sRGB. Becomes vertex colours",
              false)
       .output("simplified", "mesh", simplified_path,
-              "Binary PLY with normals, with albedo and texture coordinates if there are any")
+              "Binary PLY with normals, with albedo, materials and texture coordinates if there are any")
       .parameter("up_axis", up_axis, simplify::upAxes(),
                  "Axis of the mesh, as the importer delivers it, that is up and becomes +Y")
       .parameter("triangles", options.triangles, {4, 1e8}, "triangles",
@@ -41,12 +40,15 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](stage::Run& run) {
     formats::MeshImport imported = formats::importMesh(mesh_path);
     for (const std::string& note : imported.notes) run.warn(note);
+    if (!texture_path.empty()) {
+      for (const std::string& note : simplify::replaceAlbedo(imported, texture_path, mesh_path.string()))
+        run.warn(note);
+    }
     simplify::turnUpright(imported.mesh, up_axis);
     simplify::SimplifyResult result = simplify::simplify(imported.mesh, options, mesh_path.string());
-    const formats::Image texture =
-        texture_path.empty() ? formats::Image() : simplify::readAlbedoTexture(texture_path);
-    result.mesh.colors = simplify::carryAlbedo(imported.mesh, texture_path.empty() ? nullptr : &texture,
-                                               result.mesh, mesh_path.string());
+    simplify::CarriedAlbedo albedo = simplify::carryAlbedo(imported, result.mesh, mesh_path.string());
+    for (const std::string& note : albedo.notes) run.warn(note);
+    result.mesh.colors = std::move(albedo.colors);
     if (double_sided) run.stat("back_triangles", simplify::addBacks(result.mesh));
     formats::writePly(simplified_path, result.mesh);
     for (const std::string& warning : result.report.warnings) run.warn(warning);

@@ -41,9 +41,17 @@ double flatness(const HalfEdgeMesh& mesh, FaceHandle face) {
                   mesh.point(mesh.to_vertex_handle(mesh.next_halfedge_handle(h))));
 }
 
+bool isOnBorder(const HalfEdgeMesh& mesh, VertexHandle vertex) {
+  if (mesh.is_boundary(vertex)) return true;
+  for (const auto edge : mesh.ve_range(vertex)) {
+    if (isMaterialBorder(mesh, edge)) return true;
+  }
+  return false;
+}
+
 bool collapseShortest(HalfEdgeMesh& mesh, HalfedgeHandle side) {
   // A border vertex stays where it is.
-  if (mesh.is_boundary(mesh.from_vertex_handle(side))) side = mesh.opposite_halfedge_handle(side);
+  if (isOnBorder(mesh, mesh.from_vertex_handle(side))) side = mesh.opposite_halfedge_handle(side);
   if (!mesh.is_collapse_ok(side)) return false;
   mesh.collapse(side);
   return true;
@@ -58,6 +66,8 @@ bool flipLongest(HalfEdgeMesh& mesh, HalfedgeHandle side, double flatness_before
   const Point d =
       mesh.point(mesh.to_vertex_handle(mesh.next_halfedge_handle(mesh.opposite_halfedge_handle(side))));
   if (std::min(flatness(c, d, b), flatness(d, c, a)) <= flatness_before) return false;
+  // The flat triangle, which has no area, takes its neighbour's material.
+  mesh.data(mesh.face_handle(side)).material = mesh.data(mesh.opposite_face_handle(side)).material;
   mesh.flip(edge);
   return true;
 }

@@ -1,30 +1,38 @@
 #include "tools/simplify/refine.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
+#include <queue>
+#include <utility>
+#include <vector>
 
-#include <algorithm>
+#include "tools/simplify/parallel_lists.h"
 
 namespace bakelight::simplify {
 
 std::int64_t splitLongEdges(CornerMesh& mesh, double max_length, std::int64_t max_splits) {
-  double longest = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, mesh.opposite.size()), 0.0,
-      [&](const tbb::blocked_range<std::size_t>& sides, double greatest) {
-        for (std::size_t s = sides.begin(); s < sides.end(); ++s)
-          greatest = std::max(greatest, mesh.length(static_cast<Side>(s)));
-        return greatest;
-      },
-      [](double a, double b) { return std::max(a, b); });
+  // The longest of all is always the next: otherwise the triangles beside a longer one never become short.
+  std::priority_queue<std::pair<double, Side>> longest;
+  const auto add = [&](Side s) {
+    const double length = mesh.length(s);
+    if (length > max_length) longest.push({length, s});
+  };
+  for (const Side s : filtered(mesh.opposite.size(), [&](std::size_t i) {
+         const auto side = static_cast<Side>(i);
+         return mesh.isEdge(side) && mesh.length(side) > max_length;
+       }))
+    add(s);
   std::int64_t splits = 0;
-  while (longest > max_length && splits < max_splits) {
-    const double length = std::max(longest / 2, max_length);
-    for (Side s = 0; s < mesh.opposite.size() && splits < max_splits; ++s) {
-      if (!mesh.isEdge(s) || mesh.length(s) <= length) continue;
-      mesh.splitEdge(s, (mesh.positions[mesh.start(s)] + mesh.positions[mesh.end(s)]) / 2);
-      ++splits;
-    }
-    longest = length;
+  while (!longest.empty() && splits < max_splits) {
+    const auto [length, side] = longest.top();
+    longest.pop();
+    if (mesh.length(side) != length) continue;  // another edge is there by now; it has its own entry
+    const Side other = mesh.opposite[side];
+    const auto first_added = static_cast<Side>(mesh.opposite.size());
+    mesh.splitEdge(side, (mesh.positions[mesh.start(side)] + mesh.positions[mesh.end(side)]) / 2);
+    ++splits;
+    add(side);
+    add(nextSide(side));
+    if (other != kNone) add(nextSide(other));
+    for (Side s = first_added; s < mesh.opposite.size(); ++s) add(s);
   }
   return splits;
 }

@@ -7,9 +7,9 @@
 
 namespace bakelight::simplify {
 
-// Halves edges longer than `max_length`, the longest first (to a factor of two), at most `max_splits` times.
-// The surface stays as it is; large flat triangles, such as those that close a scan's holes, become as small
-// as the others, for decimation to choose from. Marks must be set afterwards. Returns the number of splits.
+// Halves edges longer than `max_length`, the longest first, at most `max_splits` times. The surface stays as
+// it is; large flat triangles, such as those that close a scan's holes, become as small as the others, for
+// decimation to choose from. Marks must be set afterwards. Returns the number of splits.
 std::int64_t splitLongEdges(CornerMesh& mesh, double max_length, std::int64_t max_splits);
 
 }  // namespace bakelight::simplify

@@ -16,6 +16,8 @@ struct RepairCounts {
       0;                                 // removed: two of the three corners are one vertex (after the weld)
   std::int64_t duplicate_triangles = 0;  // removed: same corners, same orientation as an earlier triangle
   std::int64_t reversed_triangles = 0;   // removed: same corners, opposite orientation
+  std::int64_t lost_backs = 0;           // such as could have been seen: not the inside of a closed part
+  std::int64_t sheet_triangles = 0;  // such as are kept as the backs of whole sheets (WorkingMesh::sheets)
   std::int64_t zero_area_triangles = 0;  // removed or flipped away: height below kNeedleHeight × longest edge
   std::int64_t kept_needles = 0;         // such triangles that no collapse or flip could remove
   std::int64_t non_manifold_edges = 0;   // shared by more than two triangles; cut or paired
@@ -34,7 +36,9 @@ inline constexpr double kNeedleHeight = 1e-5;
 
 // Welds vertices closer than `weld_tolerance` (≥ 0, in units of the mesh; 0 merges exactly coincident ones),
 // then mends in the order of RepairCounts. May leave no triangle at all. Indices must be in range, positions
-// finite. The order of surviving triangles and vertices is kept. Cost: O(n log n).
+// finite. Where all triangles of an open part lie back to back on others, one of each two stays and stands
+// for both, so that leaves and cloth keep two sides that fit each other. The order of surviving triangles and
+// vertices is kept. Cost: O(n log n).
 RepairCounts repair(WorkingMesh& mesh, double weld_tolerance);
 
 // For each vertex the one that the weld merges it into, often itself.

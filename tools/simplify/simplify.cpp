@@ -6,9 +6,12 @@
 #include <numbers>
 
 #include "formats/error.h"
+#include "formats/materials.h"
 #include "tools/simplify/corner_mesh.h"
 #include "tools/simplify/decimate.h"
+#include "tools/simplify/double_sided.h"
 #include "tools/simplify/features.h"
+#include "tools/simplify/losses.h"
 #include "tools/simplify/normals.h"
 #include "tools/simplify/refine.h"
 #include "tools/simplify/relax.h"
@@ -19,7 +22,7 @@
 namespace bakelight::simplify {
 namespace {
 
-// Length of the bounding box's diagonal while working.
+// Length of the bounding box's diagonal while working, or of the bulk's.
 constexpr double kWorkingDiagonal = 1000;
 // Creases shorter than this many sides of the triangles asked for are taken for noise.
 constexpr double kMinCreaseSides = 5;
@@ -40,6 +43,7 @@ void checkInput(const formats::TriangleMesh& mesh, const std::string& file) {
                      "an index below " + std::to_string(mesh.positions.size()));
     }
   }
+  formats::requireMaterials(mesh);
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     for (const float x : mesh.positions[v]) {
       if (!std::isfinite(x)) {
@@ -54,12 +58,8 @@ struct WorkingFrame {
   Vec3 center = Vec3::Zero();
   double scale = 1;  // working unit ÷ asset unit
 
-  // Of the vertices that triangles use.
-  explicit WorkingFrame(const WorkingMesh& mesh) {
-    Eigen::AlignedBox3d box;
-    for (const Triangle& t : mesh.triangles) {
-      for (const std::uint32_t i : t) box.extend(mesh.positions[i]);
-    }
+  explicit WorkingFrame(const Extent& extent) {
+    const Eigen::AlignedBox3d& box = extent.working();
     center = box.center();
     if (box.diagonal().norm() > 0) scale = kWorkingDiagonal / box.diagonal().norm();
   }
@@ -82,6 +82,7 @@ WorkingMesh reduce(const SurfaceQuery& original, const SimplifyOptions& options,
   if (options.relax_rounds > 0) report.splits = splitLongEdges(mesh, kMaxEdgeSides * side, options.triangles);
   const FeatureCounts features = markFeatures(mesh, options.crease_angle_deg, kMinCreaseSides * side);
   report.crease_edges = features.crease_edges;
+  report.material_edges = features.material_edges;
   report.corners = features.corners;
   const auto target = static_cast<std::size_t>(options.triangles);
   const std::size_t reserve = options.relax_rounds > 0 ? target / kReserveDivisor / 2 * 2 : 0;
@@ -91,7 +92,8 @@ WorkingMesh reduce(const SurfaceQuery& original, const SimplifyOptions& options,
   if (!decimation.reached) {
     report.warnings.push_back(
         "the target of " + std::to_string(options.triangles) +
-        " triangles cannot be reached: a closed component keeps at least 4, an open one 1");
+        " triangles cannot be reached: a closed component keeps at least 4, an open one 1" +
+        (features.material_edges > 0 ? ", and borders between materials stay" : ""));
   }
   mesh.compact();
   watch.lap("decimate");
@@ -102,7 +104,43 @@ WorkingMesh reduce(const SurfaceQuery& original, const SimplifyOptions& options,
     report.left_out.push_back("relaxation: relax_rounds is 0");
   }
   watch.lap("relax");
-  return {std::move(mesh.positions), std::move(mesh.triangles)};
+  return {std::move(mesh.positions), std::move(mesh.triangles), std::move(mesh.materials)};
+}
+
+// Backs of sheets come on top of the triangles that are left here.
+SimplifyOptions withoutBacks(SimplifyOptions options, const WorkingMesh& mesh) {
+  std::size_t backs = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) backs += mesh.isSheet(t);
+  const auto fronts = static_cast<double>(mesh.triangles.size());
+  options.triangles =
+      std::max(4, static_cast<int>(options.triangles * (fronts / (fronts + static_cast<double>(backs)))));
+  return options;
+}
+
+// The back sides of sheets follow, as addBacksTo() appends them.
+WorkingMesh withBacks(WorkingMesh mesh) {
+  const std::size_t fronts = mesh.triangles.size();
+  for (std::size_t t = 0; t < fronts; ++t) {
+    const auto [a, b, c] = mesh.triangles[t];
+    if (mesh.isSheet(t)) mesh.triangles.push_back({a, c, b});
+  }
+  return mesh;
+}
+
+void addSheetBacks(formats::TriangleMesh& mesh, const std::vector<WorkingMesh::Sheet>& sheets) {
+  if (sheets.empty()) return;
+  std::vector<std::uint8_t> has_back;
+  std::vector<std::uint32_t> backs;
+  for (std::uint32_t& material : mesh.triangle_materials) {
+    has_back.push_back(material >= kFirstSheet);
+    if (material < kFirstSheet) continue;
+    const WorkingMesh::Sheet& sheet = sheets[material - kFirstSheet];
+    backs.push_back(sheet.back);
+    material = sheet.front;
+  }
+  addBacksTo(mesh, has_back);
+  std::copy(backs.begin(), backs.end(),
+            mesh.triangle_materials.begin() + static_cast<std::ptrdiff_t>(has_back.size()));
 }
 
 }  // namespace
@@ -110,6 +148,7 @@ WorkingMesh reduce(const SurfaceQuery& original, const SimplifyOptions& options,
 SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOptions& options,
                         const std::string& file) {
   checkInput(input, file);
+  checkScale(input, file);
   SimplifyResult result;
   SimplifyReport& report = result.report;
   stage::Stopwatch watch(report.seconds);
@@ -117,7 +156,8 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
   report.triangles_in = static_cast<std::int64_t>(input.triangleCount());
 
   WorkingMesh mesh = workingMesh(input);
-  const WorkingFrame frame(mesh);
+  const Extent extent = extentOf(mesh);
+  const WorkingFrame frame(extent);
   frame.apply(mesh);
   const double weld_tolerance = options.weld_tolerance * kWorkingDiagonal;
   const WorkingMesh unrepaired = input.texcoords.empty() ? WorkingMesh{} : mesh;
@@ -126,7 +166,10 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
     throw badInput({file, "", ""}, "no triangle of the mesh has an area",
                    "at least one triangle with an area");
   }
+  report.warnings = lossWarnings(input, extent, weld_tolerance / frame.scale, report.repairs);
   report.topology_in = topology(mesh);
+  const std::vector<WorkingMesh::Sheet> sheets = mesh.sheets;
+  const SimplifyOptions one_sided = withoutBacks(options, mesh);
   watch.lap("repair");
 
   std::vector<CornerTexcoords> texcoords;
@@ -134,9 +177,9 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
   report.angles_in = angleQuality(mesh);
   report.area_in = area(mesh) * unit * unit;
   report.volume_in = volume(mesh) * unit * unit * unit;
-  if (mesh.triangles.size() > static_cast<std::size_t>(options.triangles)) {
+  if (mesh.triangles.size() > static_cast<std::size_t>(one_sided.triangles)) {
     const SurfaceQuery original(std::move(mesh));
-    mesh = reduce(original, options, report, watch);
+    mesh = reduce(original, one_sided, report, watch);
     if (!input.texcoords.empty())
       report.left_out.push_back("texture coordinates: decimation moves their seams");
     report.topology_out = topology(mesh);
@@ -150,7 +193,8 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
     report.left_out.push_back("decimation: " + std::to_string(mesh.triangles.size()) +
                               " triangles are no more than the " + std::to_string(options.triangles) +
                               " asked for");
-    if (!input.texcoords.empty()) texcoords = texcoordsThroughRepair(input, unrepaired, weld_tolerance, mesh);
+    if (!input.texcoords.empty())
+      texcoords = texcoordsThroughRepair(input, unrepaired, weld_tolerance, withBacks(mesh));
     if (!input.texcoords.empty() && texcoords.empty()) {
       report.left_out.push_back("texture coordinates: the repair changed triangles");
       report.warnings.push_back("texture coordinates were left out: the repair changed triangles");
@@ -166,10 +210,16 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
   const double side = equilateralSide(area(mesh) / static_cast<double>(mesh.triangles.size()));
   ShadedMesh shaded = withNormals(mesh, options.crease_angle_deg, kMinCreaseSides * side);
   report.split_vertices = shaded.split_vertices;
+  report.material_vertices = shaded.material_vertices;
   result.mesh = std::move(shaded.mesh);
+  addSheetBacks(result.mesh, sheets);
+  if (input.triangle_materials.empty()) result.mesh.triangle_materials.clear();
+  result.mesh.material_names = input.material_names;
+  report.materials = static_cast<std::int64_t>(formats::usedMaterials(result.mesh));
   if (!texcoords.empty()) report.seam_vertices = setTexcoords(result.mesh, texcoords);
   report.vertices_out = static_cast<std::int64_t>(result.mesh.vertexCount());
   report.triangles_out = static_cast<std::int64_t>(result.mesh.triangleCount());
+  for (std::string& warning : roundingWarnings(result.mesh)) report.warnings.push_back(std::move(warning));
   watch.lap("normals");
   return result;
 }

@@ -3,7 +3,7 @@
 //
 // Repair (repair.h) → edge collapse with quadric errors (decimate.h) → edge flips and tangential relaxation
 // on the original surface, then a least-squares fit to it (relax.h) → angle-weighted normals, split along
-// creases (normals.h).
+// creases and borders between materials (normals.h).
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace bakelight::simplify {
 
 struct SimplifyOptions {
   int triangles = 20000;         // target, ≥ 4; a mesh with no more is repaired but not decimated
-  double weld_tolerance = 1e-7;  // ÷ bounding-box diagonal; 0: only exactly coincident vertices
+  double weld_tolerance = 1e-7;  // ÷ bounding-box diagonal (of the bulk); 0: only exactly coincident vertices
   double crease_angle_deg = 80;  // edges sharper than this keep their place and are shaded flat
   int relax_rounds = 8;          // 0: no flips, moves or fit
 };
@@ -29,8 +29,11 @@ struct SimplifyReport {
   Topology topology_in, topology_out;  // after the repair, after the whole stage
   std::int64_t vertices_in = 0, vertices_out = 0, triangles_in = 0, triangles_out = 0;
   std::int64_t crease_edges = 0, corners = 0;         // kept in place by decimation
+  std::int64_t materials = 0;                         // that triangles of the result have
+  std::int64_t material_edges = 0;                    // between two materials, kept in place, too
   std::int64_t splits = 0, collapses = 0, flips = 0;  // of edges
   std::int64_t split_vertices = 0;                    // copies along creases, for flat shading
+  std::int64_t material_vertices = 0;                 // copies along borders between materials
   std::int64_t seam_vertices = 0;                     // copies along seams of the texture coordinates
   std::string constraints;  // decimation level: what had to be given up (decimate.h)
   AngleQuality angles_in, angles_out;
@@ -42,15 +45,16 @@ struct SimplifyReport {
 };
 
 struct SimplifyResult {
-  // With normals; without colours (colors.h). With the input's texcoords unless triangles had to change.
+  // With normals and materials; without colours (colors.h). With the input's texcoords unless triangles had
+  // to change. No vertex belongs to two materials.
   formats::TriangleMesh mesh;
   SimplifyReport report;
 };
 
 // Deterministic: the same bytes for any number of threads. Works in double precision about the bounding box's
 // centre, so units and offsets do not matter beyond the input's own rounding. Throws Error(kBadInput) naming
-// `file` and element for an index out of range, a position that is not finite, no triangle, or none left
-// after the repair. About 5 s for 70k → 20k triangles.
+// `file` and element for an index out of range, a position that is not finite or too far out (losses.h), no
+// triangle, or none left after the repair. About 5 s for 70k → 20k triangles.
 SimplifyResult simplify(const formats::TriangleMesh& mesh, const SimplifyOptions& options,
                         const std::string& file);
 

@@ -14,7 +14,7 @@
 namespace bakelight::simplify {
 namespace {
 
-// Search radius beyond the best distance found, relative and (in units of the largest coordinate) absolute.
+// Search radius beyond the best distance found, relative and (in units of the query's coordinates) absolute.
 constexpr double kRelativeMargin = 1e-5;
 constexpr double kMarginUnit = 1e-6;
 
@@ -23,7 +23,6 @@ constexpr double kMarginUnit = 1e-6;
 struct SurfaceQuery::Implementation {
   WorkingMesh mesh;
   std::vector<Vec3> normals;
-  double margin = 0;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 
@@ -33,8 +32,10 @@ struct SurfaceQuery::Implementation {
   }
 
   SurfacePoint on(std::uint32_t triangle, const Vec3& position) const;
-  float radius(double distance) const {
-    return static_cast<float>(distance * (1 + kRelativeMargin) + margin);
+  // Boxes as near as that have corners no farther out than query and distance together.
+  static float radius(const Vec3& position, double distance) {
+    const double rounding = kMarginUnit * (position.cwiseAbs().maxCoeff() + distance);
+    return static_cast<float>(distance * (1 + kRelativeMargin) + rounding);
   }
 
   enum class Among { kAll, kFacing, kPreferFacing };
@@ -42,6 +43,7 @@ struct SurfaceQuery::Implementation {
     const Implementation* surface;
     Vec3 position, normal;
     Among among;
+    Material material = {};
     double factor = 1;
     SurfacePoint best = {}, facing = {};
 
@@ -69,6 +71,7 @@ SurfacePoint SurfaceQuery::Implementation::on(std::uint32_t t, const Vec3& from)
 }
 
 void SurfaceQuery::Implementation::Search::meet(std::uint32_t triangle) {
+  if (material && surface->mesh.materials[triangle] != *material) return;
   const bool faces = among != Among::kAll && surface->normals[triangle].dot(normal) > 0;
   if (among == Among::kFacing && !faces) return;
   const SurfacePoint met = surface->on(triangle, position);
@@ -96,7 +99,7 @@ SurfacePoint SurfaceQuery::Implementation::Search::result() const {
 bool SurfaceQuery::Implementation::visit(RTCPointQueryFunctionArguments* arguments) {
   Search& search = *static_cast<Search*>(arguments->userPtr);
   search.meet(arguments->primID);
-  const float radius = search.surface->radius(search.reach());
+  const float radius = Implementation::radius(search.position, search.reach());
   if (radius >= arguments->query->radius) return false;
   arguments->query->radius = radius;
   return true;
@@ -121,7 +124,7 @@ RTCPointQuery pointQuery(const Vec3& position, float radius) {
 }  // namespace
 
 SurfacePoint SurfaceQuery::Implementation::run(Search search) const {
-  RTCPointQuery query = pointQuery(search.position, radius(search.reach()));
+  RTCPointQuery query = pointQuery(search.position, radius(search.position, search.reach()));
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   rtcPointQuery(scene, &query, &context, &visit, &search);
@@ -145,14 +148,11 @@ SurfaceQuery::SurfaceQuery(WorkingMesh mesh) : implementation_(std::make_unique<
   auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle), self.mesh.triangles.size()));
   if (vertices == nullptr || indices == nullptr) throw std::bad_alloc();
-  double largest = 0;
   for (const Vec3& position : self.mesh.positions) {
     for (int k = 0; k < 3; ++k) *vertices++ = static_cast<float>(position[k]);
-    largest = std::max(largest, position.cwiseAbs().maxCoeff());
   }
   for (const Triangle& triangle : self.mesh.triangles)
     indices = std::copy(triangle.begin(), triangle.end(), indices);
-  self.margin = kMarginUnit * largest;
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(self.scene, geometry);
   rtcReleaseGeometry(geometry);
@@ -163,31 +163,34 @@ SurfaceQuery::SurfaceQuery(WorkingMesh mesh) : implementation_(std::make_unique<
 
 SurfaceQuery::~SurfaceQuery() = default;
 
-SurfacePoint SurfaceQuery::closest(const Vec3& position) const {
-  return implementation_->run({implementation_.get(), position, Vec3::Zero(), Implementation::Among::kAll});
+SurfacePoint SurfaceQuery::closest(const Vec3& position, Material material) const {
+  return implementation_->run(
+      {implementation_.get(), position, Vec3::Zero(), Implementation::Among::kAll, material});
 }
 
-SurfacePoint SurfaceQuery::closest(const Vec3& position, std::uint32_t near_triangle) const {
+SurfacePoint SurfaceQuery::closestFrom(std::uint32_t near_triangle, const Vec3& position) const {
   Implementation::Search search{implementation_.get(), position, Vec3::Zero(), Implementation::Among::kAll};
   search.meet(near_triangle);
   return implementation_->run(search);
 }
 
-SurfacePoint SurfaceQuery::closestFacing(const Vec3& position, const Vec3& normal) const {
-  return implementation_->run({implementation_.get(), position, normal, Implementation::Among::kFacing});
+SurfacePoint SurfaceQuery::closestFacing(const Vec3& position, const Vec3& normal, Material material) const {
+  return implementation_->run(
+      {implementation_.get(), position, normal, Implementation::Among::kFacing, material});
 }
 
 SurfacePoint SurfaceQuery::closestPreferFacing(const Vec3& position, const Vec3& normal, double factor,
                                                std::uint32_t near_triangle) const {
-  Implementation::Search search{implementation_.get(), position, normal, Implementation::Among::kPreferFacing,
-                                factor};
+  Implementation::Search search{implementation_.get(), position, normal,
+                                Implementation::Among::kPreferFacing};
+  search.factor = factor;
   search.meet(near_triangle);
   return implementation_->run(search);
 }
 
 bool SurfaceQuery::within(const Vec3& position, double distance) const {
   Implementation::Probe probe{implementation_.get(), position, distance};
-  RTCPointQuery query = pointQuery(position, implementation_->radius(distance));
+  RTCPointQuery query = pointQuery(position, Implementation::radius(position, distance));
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   rtcPointQuery(implementation_->scene, &query, &context, &Implementation::visitProbe, &probe);

@@ -1,7 +1,9 @@
 // Closest points on a triangle mesh; Embree's point query behind it.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "tools/simplify/working_mesh.h"
 
@@ -27,15 +29,20 @@ class SurfaceQuery {
   SurfaceQuery(const SurfaceQuery&) = delete;
   SurfaceQuery& operator=(const SurfaceQuery&) = delete;
 
-  SurfacePoint closest(const Vec3& position) const;
-  SurfacePoint closest(const Vec3& position, std::uint32_t near_triangle) const;
+  // Only among triangles of one material, if that is given; the mesh must have materials then.
+  using Material = std::optional<std::uint32_t>;
+
+  SurfacePoint closest(const Vec3& position, Material material = std::nullopt) const;
   // Only among triangles whose normal is within 90° of `normal`, so that the far side of a thin sheet is
   // never met.
-  SurfacePoint closestFacing(const Vec3& position, const Vec3& normal) const;
+  SurfacePoint closestFacing(const Vec3& position, const Vec3& normal,
+                             Material material = std::nullopt) const;
 
   // The closest of those where it is no farther than `factor` (≥ 1) times the closest of all; else that one.
   SurfacePoint closestPreferFacing(const Vec3& position, const Vec3& normal, double factor,
                                    std::uint32_t near_triangle) const;
+  // The closest of all, from a triangle near it.
+  SurfacePoint closestFrom(std::uint32_t near_triangle, const Vec3& position) const;
   // Whether any point of the surface is that near.
   bool within(const Vec3& position, double distance) const;
 

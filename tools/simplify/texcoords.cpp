@@ -24,6 +24,8 @@ struct PlacedTriangle {
     for (std::uint32_t k = 0; k < 3; ++k) corners[k] = {placeOf(positions[k]), k};
     std::sort(corners.begin(), corners.end());
   }
+  // Whether the places in order run round the triangle as its corners do.
+  bool runsForward() const { return (corners[1].second + 3 - corners[0].second) % 3 == 1; }
   std::array<Place, 3> places() const { return {corners[0].first, corners[1].first, corners[2].first}; }
 };
 
@@ -46,10 +48,15 @@ std::vector<CornerTexcoords> texcoordsThroughRepair(const formats::TriangleMesh&
   std::vector<CornerTexcoords> texcoords(repaired.triangles.size());
   for (std::uint32_t t = 0; t < texcoords.size(); ++t) {
     const PlacedTriangle wanted({repaired.corner(t, 0), repaired.corner(t, 1), repaired.corner(t, 2)}, t);
-    const auto source = std::lower_bound(
+    auto source = std::lower_bound(
         sources.begin(), sources.end(), wanted,
         [](const PlacedTriangle& a, const PlacedTriangle& b) { return a.places() < b.places(); });
     if (source == sources.end() || source->places() != wanted.places()) return {};
+    // On opposite sheets the one that faces the same way.
+    const auto facing = std::find_if(source, sources.end(), [&](const PlacedTriangle& other) {
+      return other.places() != wanted.places() || other.runsForward() == wanted.runsForward();
+    });
+    if (facing != sources.end() && facing->places() == wanted.places()) source = facing;
     for (std::size_t k = 0; k < 3; ++k)
       texcoords[t][wanted.corners[k].second] =
           input.texcoords[input.triangles[source->triangle][source->corners[k].second]];

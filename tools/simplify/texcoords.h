@@ -14,10 +14,10 @@ namespace bakelight::simplify {
 using CornerTexcoords = std::array<formats::Float2, 3>;
 
 // Texture coordinates of the corners of `repaired`'s triangles: those of the input's triangle with the same
-// three places, whichever way it faces, and the first one if there are several. `original` is the input's
-// mesh before the repair, with its vertices in the same order, `weld_tolerance` that of the repair. Empty if
-// any triangle has no counterpart, as the repair may move corners and flip edges of triangles without area.
-// Cost: O(n log n).
+// three places that faces the same way, or else the other; the first one if there are several. `original` is
+// the input's mesh before the repair, with its vertices in the same order, `weld_tolerance` that of the
+// repair. Empty if any triangle has no counterpart, as the repair may move corners and flip edges of
+// triangles without area. Cost: O(n log n).
 std::vector<CornerTexcoords> texcoordsThroughRepair(const formats::TriangleMesh& input,
                                                     const WorkingMesh& original, double weld_tolerance,
                                                     const WorkingMesh& repaired);

@@ -56,6 +56,21 @@ TEST(MakeAtlas, OfABallIsValidAndFull) {
   EXPECT_LT(result.report.figures.charts, 40);
 }
 
+TEST(MakeAtlas, MaterialsOfTrianglesSurvive) {
+  TriangleMesh ball = tests::icosphere(2);
+  ball.triangles.insert(ball.triangles.begin() + 5, {0, 0, 1});  // without area: left out
+  for (std::uint32_t t = 0; t < ball.triangleCount(); ++t) ball.triangle_materials.push_back(t % 3);
+  ball.material_names = {"a", "", "c"};
+  const AtlasResult made = expectValid(ball, small());
+  EXPECT_EQ(made.atlas.mesh.material_names, ball.material_names);
+  ASSERT_EQ(made.atlas.mesh.triangle_materials.size(), ball.triangleCount() - 1);
+  for (std::size_t t = 0; t < made.source_triangles.size(); ++t)
+    EXPECT_EQ(made.atlas.mesh.triangle_materials[t], made.source_triangles[t] % 3);
+  const AtlasResult own = ownAtlas(made.atlas.mesh, small(), "own.ply");
+  EXPECT_EQ(own.atlas.mesh.triangle_materials, made.atlas.mesh.triangle_materials);
+  EXPECT_EQ(own.atlas.mesh.material_names, ball.material_names);
+}
+
 TEST(MakeAtlas, TightensStretchOnRequest) {
   AtlasOptions options = small();
   options.max_stretch = 1.002;

@@ -104,12 +104,14 @@ TEST_F(MeshImportTest, LegalOddObjsAreRead) {
                 .mesh.triangleCount(),
             1U);
   EXPECT_THAT(import("a.obj", kTriangleObj.substr(0, kTriangleObj.size() - 1)).notes,
-              testing::ElementsAre(HasSubstr("newline")));
+              testing::ElementsAre(HasSubstr("no line end")));
 }
 
 TEST_F(MeshImportTest, NotFiniteCoordinatesNameTheVertex) {
-  EXPECT_THAT(errorOf("a.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"), HasSubstr("vertex 1"));
-  EXPECT_THAT(errorOf("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1e60 0\nf 1 2 3\n"), HasSubstr("vertex 2"));
+  EXPECT_THAT(errorOf("a.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"),
+              AllOf(HasSubstr("line 2"), HasSubstr("vertex 2 (counted from 1)")));
+  EXPECT_THAT(errorOf("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1e60 0\nf 1 2 3\n"),
+              AllOf(HasSubstr("line 3"), HasSubstr("vertex 3 (counted from 1)")));
 }
 
 TEST_F(MeshImportTest, PlyCutAtAnyByteIsAnErrorNotAHang) {
@@ -207,13 +209,23 @@ TEST_F(MeshImportTest, ObjColoursAreDisplayCodes) {
   EXPECT_TRUE(import("b.obj", kTriangleObj).mesh.colors.empty());
 }
 
-TEST_F(MeshImportTest, ObjVerticesOfOtherFormsAreErrors) {
-  EXPECT_THAT(errorOf("a.obj", "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
-              AllOf(HasSubstr("line 2"), HasSubstr("colour")));
-  EXPECT_THAT(errorOf("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0 0 0 1\nf 1 2 3\n"), HasSubstr("line 3"));
+TEST_F(MeshImportTest, ObjVerticesOfOtherForms) {
+  const MeshImport some = import("a.obj", "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  expectColor(colorAt(some.mesh, {0, 0, 0}), {1, 0, 0});
+  expectColor(colorAt(some.mesh, {0, 1, 0}), {1, 1, 1});
+  EXPECT_THAT(some.notes, testing::Contains(HasSubstr("2 of 3 vertices have no colour")));
   EXPECT_THAT(errorOf("a.obj", "v 0 0 0 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
               AllOf(HasSubstr("line 1"), HasSubstr("5 numbers")));
-  EXPECT_THAT(errorOf("a.obj", "v 0 0 0 1 0 0 1\n"), HasSubstr("7 numbers"));
+  EXPECT_THAT(errorOf("a.obj", "v 0 0 0 1 0 0 1 1\n"), HasSubstr("8 numbers"));
+  const MeshImport alpha = import("a.obj", "v 0 0 0 1 0 0 0.5\nv 1 0 0 0 1 0 1\nv 0 1 0 0 0 1 1\nf 1 2 3\n");
+  expectColor(colorAt(alpha.mesh, {1, 0, 0}), {0, 1, 0});
+  EXPECT_THAT(alpha.notes, testing::Contains(HasSubstr("7 numbers")));
+  const MeshImport weighted = import("a.obj", "v 0 0 0 1\nv 2 0 0 2\nv 0 1 0 1\nf 1 2 3\n");
+  EXPECT_EQ(weighted.mesh.positions[1], (Float3{1, 0, 0}));
+  EXPECT_THAT(weighted.notes, testing::Contains(HasSubstr("divided")));
+  const MeshImport bytes = import("a.obj", "v 0 0 0 255 0 128\nv 1 0 0 0 255 0\nv 0 1 0 0 0 1\nf 1 2 3\n");
+  expectColor(colorAt(bytes.mesh, {0, 0, 0}), {1, 0, kLinearOf128});
+  EXPECT_THAT(bytes.notes, testing::Contains(HasSubstr("8-bit")));
 }
 
 std::string plyWith(const std::string& type, const std::string& first, const std::string& second) {

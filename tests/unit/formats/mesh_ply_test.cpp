@@ -45,9 +45,63 @@ TEST(MeshPly, RoundTripKeepsOrderAndBits) {
   }
 }
 
+TriangleMesh twoMaterials() {
+  TriangleMesh mesh = wavyGrid(3);
+  for (std::size_t t = 0; t < mesh.triangleCount(); ++t)
+    mesh.triangle_materials.push_back(static_cast<std::uint32_t>(t * t % 5));
+  mesh.material_names = {"red paint", "", "100 %\r\n\"Ä\xFF", "red paint", " end_header "};
+  mesh.material_names.push_back(std::string("\0\t%41", 5));
+  for (int m = 6; m < 12; ++m) mesh.material_names.push_back("unused");
+  return mesh;
+}
+
+TEST(MeshPly, MaterialsComeBackWithNamesOfAnyBytes) {
+  const ScratchFolder folder;
+  const TriangleMesh mesh = twoMaterials();
+  writePly(folder / "a.ply", mesh);
+  const TriangleMesh read = readPly(folder / "a.ply");
+  EXPECT_EQ(read.triangle_materials, mesh.triangle_materials);
+  EXPECT_EQ(read.material_names, mesh.material_names);
+  EXPECT_EQ(read.triangles, mesh.triangles);
+  EXPECT_EQ(geometryHash(read), geometryHash(wavyGrid(3)));
+  writePly(folder / "b.ply", read);
+  EXPECT_EQ(readFile(folder / "a.ply"), readFile(folder / "b.ply"));
+}
+
+TEST(MeshPly, AMaterialOutOfRangeIsAnError) {
+  const ScratchFolder folder;
+  TriangleMesh mesh = twoMaterials();
+  writePly(folder / "a.ply", mesh);
+  std::string text = readTextFile(folder / "a.ply");
+  text[text.size() - 4] = 12;  // of the last face
+  writeQuickly(folder / "a.ply", text);
+  EXPECT_THAT(errorOf([&] { readPly(folder / "a.ply"); }),
+              testing::AllOf(HasSubstr("face 7"), HasSubstr("material 12")));
+  mesh.triangle_materials.pop_back();
+  EXPECT_THROW(writePly(folder / "b.ply", mesh), std::logic_error);
+  mesh.triangle_materials.push_back(12);
+  EXPECT_THROW(writePly(folder / "b.ply", mesh), std::logic_error);
+}
+
+TEST(MeshPly, AnotherProgramsMaterialsAreSkipped) {
+  const ScratchFolder folder;
+  writePly(folder / "a.ply", twoMaterials());
+  std::string text = readTextFile(folder / "a.ply");
+  for (std::size_t at = 0; (at = text.find("comment material", at)) != std::string::npos; at += 16)
+    text.replace(at, 16, "comment Material");
+  writeQuickly(folder / "a.ply", text);
+  const TriangleMesh read = readPly(folder / "a.ply");
+  EXPECT_TRUE(read.triangle_materials.empty());
+  EXPECT_TRUE(read.material_names.empty());
+  EXPECT_EQ(read.triangles, wavyGrid(3).triangles);
+}
+
 TEST(MeshPly, EveryTruncationIsAnError) {
   const ScratchFolder folder;
-  writePly(folder / "a.ply", wavyGrid(2));
+  TriangleMesh grid = wavyGrid(2);
+  grid.triangle_materials.assign(grid.triangleCount(), 0);
+  grid.material_names = {"all"};
+  writePly(folder / "a.ply", grid);
   const std::string whole = readTextFile(folder / "a.ply");
   for (std::size_t size = 0; size < whole.size(); ++size) {
     writeQuickly(folder / "cut.ply", whole.substr(0, size));

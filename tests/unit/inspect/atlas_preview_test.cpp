@@ -92,6 +92,31 @@ TEST(AtlasPreview, ChartsOnTheModelHaveTheirColoursAndADarkLineBetween) {
   EXPECT_LT(sum(middle), 0.6 * std::min(sum(left), sum(right)));
 }
 
+TEST(AtlasPreview, MaterialsHaveTheirColoursWithOrWithoutTexcoords) {
+  TriangleMesh mesh = texturedSquare({0, 0}, {0.4f, 0.4f});
+  appendSquare(mesh, {1, 0, 0}, 1, {0.5f, 0.5f}, {0.9f, 0.9f});
+  PreviewOptions options;
+  options.size_px = 65;
+  options.yaw_deg = options.pitch_deg = 0;
+  options.paint = Paint::kMaterials;
+  EXPECT_THROW(previewMaterials(mesh, options, "plain.ply"), Error);
+  mesh.triangle_materials = {0, 0, 1, 1};
+  mesh.material_names = {"left", "right"};
+  options.layout = Layout::kAtlas;
+  const Image atlas = previewAtlas(mesh, options, "").image;
+  EXPECT_LT(difference(pixel(atlas, 8, 55), chartColor(0)), 0.02);
+  EXPECT_LT(difference(pixel(atlas, 40, 25), chartColor(1)), 0.02);
+  options.layout = Layout::kModel;
+  mesh.texcoords.clear();
+  const Preview preview = previewMaterials(mesh, options, "");
+  EXPECT_THAT(preview.caption, HasSubstr("2 materials"));
+  const DisplayColor left = pixel(preview.image, 26, 32), right = pixel(preview.image, 38, 32),
+                     middle = pixel(preview.image, 32, 32);
+  EXPECT_GT(difference(left, right), 0.3);
+  const auto sum = [](const DisplayColor& color) { return color[0] + color[1] + color[2]; };
+  EXPECT_LT(sum(middle), 0.6 * std::min(sum(left), sum(right)));
+}
+
 TEST(AtlasPreview, WithoutPaintTheModelIsClayAndTheAtlasPlain) {
   EXPECT_FALSE(PreviewOptions{}.showsTexcoords());
   EXPECT_TRUE(square(Paint::kNone).showsTexcoords());
@@ -118,6 +143,7 @@ TEST(AtlasPreview, NamesAndChoicesAgree) {
   EXPECT_EQ(paintOf("none"), Paint::kNone);
   EXPECT_EQ(paintOf("charts"), Paint::kCharts);
   EXPECT_EQ(paintOf("stretch"), Paint::kStretch);
+  EXPECT_EQ(paintOf("materials"), Paint::kMaterials);
   EXPECT_EQ(layoutOf("model"), Layout::kModel);
   EXPECT_EQ(layoutOf("atlas"), Layout::kAtlas);
 }

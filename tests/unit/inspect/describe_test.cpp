@@ -58,6 +58,20 @@ TEST(DescribeMesh, SaysWhatATriangleIs) {
   EXPECT_EQ(mesh["topology"]["euler_characteristic"], 1);
   EXPECT_EQ(mesh["attributes"]["unit_normals"], true);
   EXPECT_EQ(mesh["notes"][0]["note"], "a note");
+  EXPECT_FALSE(mesh.contains("materials"));
+}
+
+TEST(DescribeMesh, NamesTrianglesAndAreaOfMaterials) {
+  formats::TriangleMesh triangle = trianglePack().mesh;  // 3 × 4 / 2
+  triangle.triangles.push_back(formats::Triangle(triangle.triangles.front()));
+  triangle.triangle_materials = {2, 2};
+  triangle.material_names = {"", "red", "bad \xFF\x1b[31m"};
+  const Json materials = described(describeMesh(triangle, {}))["materials"];
+  ASSERT_EQ(materials.size(), 3u);
+  EXPECT_EQ(materials[0], Json({{"index", 0}, {"name", ""}, {"triangles", 0}, {"area", 0.0}}));
+  EXPECT_EQ(materials[1]["name"], "red");
+  EXPECT_EQ(materials[2],
+            Json({{"index", 2}, {"name", "bad \uFFFD?[31m"}, {"triangles", 2}, {"area", 12.0}}));
 }
 
 TEST(DescribePack, SectionsBytesAndTransfer) {
