@@ -5,7 +5,9 @@
 //   BAKELIGHT_BENCH_MESH=path        another mesh
 //   BAKELIGHT_BENCH_TRIANGLES=n      another target of simplify (20000)
 //   BAKELIGHT_BENCH_XATLAS=command   scripts/run-xatlas: the rival, in the same run (make bench-atlas)
+//   BAKELIGHT_BENCH_LARGE=1          a rippled ball of 1,000,000 triangles, too: time and memory
 #include <benchmark/benchmark.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
@@ -23,6 +25,7 @@
 #include "formats/error.h"
 #include "formats/mesh_import.h"
 #include "formats/mesh_ply.h"
+#include "tests/support/rippled_ball.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/atlas/geometry_maps.h"
 #include "tools/atlas/make_atlas.h"
@@ -75,28 +78,31 @@ struct Rival {
   double seconds = 0, utilisation = 0;  // of its own rectangle
 };
 
-// Once a process; nothing if no command is given. Throws if it fails.
+// Nothing if no command is given. Throws if it fails.
+std::optional<Rival> rivalOf(const formats::TriangleMesh& mesh) {
+  const std::string command = environment("BAKELIGHT_BENCH_XATLAS", "");
+  if (command.empty()) return std::nullopt;
+  const tests::TemporaryFolder folder;
+  const std::filesystem::path in = folder / "in.ply", out = folder / "out.ply", told = folder / "told.json";
+  formats::writePly(in, mesh);
+  const std::string line = command + " " + in.string() + " " + out.string() + " " +
+                           std::to_string(kResolution) + " " + std::to_string(kGutter) + " > " +
+                           told.string();
+  if (std::system(line.c_str()) != 0)
+    throw Error(ExitStatus::kNotAvailable, {command, "", ""}, "xatlas could not be run");
+  std::ifstream stream(told);
+  const nlohmann::json json = nlohmann::json::parse(stream);
+  const double width = json.at("width"), height = json.at("height"), side = std::max(width, height);
+  Rival run;
+  run.figures = check(atlasOf(formats::readPly(out)), static_cast<int>(side), "xatlas");
+  run.utilisation = run.figures.utilisation * side * side / (width * height);
+  run.seconds = json.at("seconds");
+  return run;
+}
+
+// Once a process.
 const std::optional<Rival>& rival() {
-  static const std::optional<Rival> result = []() -> std::optional<Rival> {
-    const std::string command = environment("BAKELIGHT_BENCH_XATLAS", "");
-    if (command.empty()) return std::nullopt;
-    const tests::TemporaryFolder folder;
-    const std::filesystem::path in = folder / "in.ply", out = folder / "out.ply", told = folder / "told.json";
-    formats::writePly(in, simplified());
-    const std::string line = command + " " + in.string() + " " + out.string() + " " +
-                             std::to_string(kResolution) + " " + std::to_string(kGutter) + " > " +
-                             told.string();
-    if (std::system(line.c_str()) != 0)
-      throw Error(ExitStatus::kNotAvailable, {command, "", ""}, "xatlas could not be run");
-    std::ifstream stream(told);
-    const nlohmann::json json = nlohmann::json::parse(stream);
-    const double width = json.at("width"), height = json.at("height"), side = std::max(width, height);
-    Rival run;
-    run.figures = check(atlasOf(formats::readPly(out)), static_cast<int>(side), "xatlas");
-    run.utilisation = run.figures.utilisation * side * side / (width * height);
-    run.seconds = json.at("seconds");
-    return run;
-  }();
+  static const std::optional<Rival> result = rivalOf(simplified());
   return result;
 }
 
@@ -151,6 +157,54 @@ void run(benchmark::State& state, const char* name, double max_stretch) {
   }
 }
 
+// A larger mesh, once. Counters end in `suffix`.
+void runLarge(benchmark::State& state, const formats::TriangleMesh& mesh, const std::string& suffix,
+              bool has_rival) {
+  AtlasOptions options;
+  options.resolution = kResolution;
+  options.gutter = kGutter;
+  AtlasResult result;
+  double seconds = 0;
+  for ([[maybe_unused]] const auto iteration : state) {
+    const auto start = std::chrono::steady_clock::now();
+    result = makeAtlas(mesh, {}, options, "bench");
+    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    state.SetIterationTime(seconds);
+  }
+  const AtlasFigures& f = result.report.figures;
+  print(suffix.c_str(), f, f.utilisation, seconds);
+  for (const std::string& warning : result.report.warnings) std::printf("  %s\n", warning.c_str());
+  auto& counters = state.counters;
+  counters["triangles_" + suffix] = static_cast<double>(f.triangles);
+  counters["seconds_" + suffix] = seconds;
+  counters["charts_" + suffix] = static_cast<double>(f.charts);
+  counters["utilisation_" + suffix] = f.utilisation;
+  counters["l2_stretch_" + suffix] = f.l2_stretch;
+  counters["defects_" + suffix] = static_cast<double>(f.defects());
+  counters["smallest_gutter_" + suffix] = f.smallest_gutter;
+  for (const auto& [step, spent] : result.report.seconds) counters["seconds_" + step + "_" + suffix] = spent;
+  if (const auto other = has_rival ? rivalOf(mesh) : std::nullopt) {
+    print("xatlas", other->figures, other->utilisation, other->seconds);
+    counters["xatlas_charts_" + suffix] = static_cast<double>(other->figures.charts);
+    counters["xatlas_seconds_" + suffix] = other->seconds;
+  }
+}
+
+void runBunny70k(benchmark::State& state) {
+  runLarge(state, formats::importMesh(BAKELIGHT_DATA_DIR "/models/bunny.obj").mesh, "70k", true);
+}
+
+void runBall100k(benchmark::State& state) {
+  runLarge(state, tests::rippledBall(100'000), "100k", true);
+}
+
+void runBall1M(benchmark::State& state) {
+  runLarge(state, tests::rippledBall(1'000'000), "1m", false);
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  state.counters["peak_memory_bytes_1m"] = 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
 BENCHMARK_CAPTURE(run, default, "default", kFewCharts)
     ->Name("atlas/default")
     ->Iterations(kRounds)
@@ -161,6 +215,16 @@ BENCHMARK_CAPTURE(run, low_distortion, "low distortion", kLowDistortion)
     ->Iterations(kRounds)
     ->UseManualTime()
     ->Unit(benchmark::kSecond);
+BENCHMARK(runBunny70k)->Name("atlas/bunny_70k")->Iterations(1)->UseManualTime()->Unit(benchmark::kSecond);
+BENCHMARK(runBall100k)->Name("atlas/ball_100k")->Iterations(1)->UseManualTime()->Unit(benchmark::kSecond);
+
+void registerLarge() {
+  if (environment("BAKELIGHT_BENCH_LARGE", "").empty()) return;
+  benchmark::RegisterBenchmark("atlas/ball_1m", runBall1M)
+      ->Iterations(1)
+      ->UseManualTime()
+      ->Unit(benchmark::kSecond);
+}
 
 }  // namespace
 }  // namespace bakelight::atlas
@@ -169,6 +233,7 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   try {
+    bakelight::atlas::registerLarge();
     benchmark::RunSpecifiedBenchmarks();
   } catch (const bakelight::Error& error) {
     std::fprintf(stderr, "bench_atlas: %s\n", error.what());

@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include "tools/atlas/proxy.h"
 #include "tools/atlas/segmentation.h"
 
 namespace bakelight::atlas {
@@ -53,6 +54,7 @@ struct Piece {
   std::uint32_t id = 0;  // no two pieces ever have the same
   std::optional<FlatPiece> flat;
   double perimeter = 0;
+  bool is_merged = false;  // with what it may be merged with
 };
 
 // Two pieces with a common border.
@@ -98,6 +100,11 @@ void forEachLargestFirst(const std::vector<Piece>& pieces, const Work& work) {
 }
 
 constexpr int kMostParts = 8;
+// A proxy has at most this share of the triangles, or there is none; and never less than a 16th.
+constexpr double kLeastReduction = 1.5;
+constexpr std::size_t kLargestReduction = 16;
+// Of the stretch above 1 that charts may have, on the proxy.
+constexpr double kShareOfProxy = 0.9;
 
 class Charting {
  public:
@@ -105,17 +112,14 @@ class Charting {
       : surface_(surface), options_(options), report_(report) {}
 
   std::vector<FlatPiece> run() {
-    findRegions();
-    if (!options_.cuts_only) {
-      divideRegions();
-      straighten();
-      settle();
-      merge();
-      // Straight borders would bring triangles with them that cannot be projected.
-      if (options_.flattening.parameterisation != Parameterisation::kProjection) straighten();
-    }
-    settle();
+    makePieces();
     return flatPieces();
+  }
+
+  // Only which triangles belong together: a label for each.
+  std::vector<std::int32_t> labels() {
+    makePieces();
+    return pieceLabels();
   }
 
   std::vector<FlatPiece> runOn(std::vector<FlatPiece> pieces, std::span<const std::size_t> to_divide) {
@@ -134,11 +138,74 @@ class Charting {
   }
 
  private:
+  void makePieces() {
+    findRegions();
+    if (!options_.cuts_only) {
+      if (!isWorthProxy() || !takePiecesOfProxy()) divideRegions();
+      straighten();
+      settle();
+      merge();
+      // Straight borders would bring triangles with them that cannot be projected; and those of a proxy's
+      // charts are straight already.
+      if (options_.flattening.parameterisation != Parameterisation::kProjection &&
+          report_.proxy_triangles == 0)
+        straighten();
+    }
+    settle();
+  }
+
+  std::vector<std::int32_t> pieceLabels() const {
+    std::vector<std::int32_t> labels(surface_.triangleCount());
+    for (std::size_t p = 0; p < pieces_.size(); ++p)
+      for (const std::uint32_t t : pieces_[p].triangles) labels[t] = static_cast<std::int32_t>(p);
+    return labels;
+  }
+
+  // Whether a triangle can be projected depends on its own normal, which a proxy does not have.
+  bool isWorthProxy() const {
+    return options_.flattening.parameterisation != Parameterisation::kProjection &&
+           static_cast<double>(surface_.triangleCount()) >
+               kLeastReduction * static_cast<double>(options_.proxy_triangles);
+  }
+
+  // Where pieces begin and end is found on fewer triangles; they are laid flat as they are, and what does not
+  // lie flat for its details is divided and merged anew. Returns false if a proxy could leave out too little.
+  bool takePiecesOfProxy() {
+    const Proxy proxy =
+        proxyOf(surface_, std::max(options_.proxy_triangles, surface_.triangleCount() / kLargestReduction));
+    if (kLeastReduction * static_cast<double>(proxy.surface.triangleCount()) >
+        static_cast<double>(surface_.triangleCount()))
+      return false;
+    report_.proxy_triangles = static_cast<std::int64_t>(proxy.surface.triangleCount());
+    ChartingOptions options = options_;
+    options.proxy_triangles = surface_.triangleCount();
+    options.flattening.corner_places.clear();
+    // Details take their share of the stretch.
+    options.flattening.max_stretch = 1 + kShareOfProxy * (options.flattening.max_stretch - 1);
+    ChartingReport report;
+    std::vector<std::int32_t> labels =
+        labelsFromProxy(surface_, regions_, proxy, Charting(proxy.surface, options, report).labels());
+    report_.first_pieces = report.first_pieces;
+    report_.splits = report.splits;
+    report_.merges = report.merges;
+    report_.merges_tried = report.merges_tried;
+    report_.triangles_tried = report.triangles_tried;
+    report_.is_merging_cut_short = report.is_merging_cut_short;
+    // What the proxy has nothing of stays whole.
+    const std::int32_t count = 1 + *std::max_element(labels.begin(), labels.end());
+    for (std::size_t t = 0; t < labels.size(); ++t)
+      if (labels[t] < 0) labels[t] = count + regions_[t];
+    pieces_.clear();
+    for (TriangleSet& set : connectedParts(surface_, labels)) {
+      const std::int32_t region = regions_[set[0]];
+      add(std::move(set), region);
+      pieces_.back().is_merged = true;
+    }
+    return true;
+  }
+
   std::vector<FlatPiece> flatPieces() {
-    forEachLargestFirst(pieces_, [&](std::size_t p) {
-      relax(*pieces_[p].flat, options_.flattening);
-      straightenTeeth(*pieces_[p].flat, options_.flattening);
-    });
+    forEachLargestFirst(pieces_, [&](std::size_t p) { finish(*pieces_[p].flat, options_.flattening); });
     std::vector<FlatPiece> result;
     result.reserve(pieces_.size());
     for (Piece& piece : pieces_) result.push_back(std::move(*piece.flat));
@@ -195,19 +262,18 @@ class Charting {
   }
 
   void straighten() {
-    std::vector<std::int32_t> labels(surface_.triangleCount());
-    for (std::size_t p = 0; p < pieces_.size(); ++p)
-      for (const std::uint32_t t : pieces_[p].triangles) labels[t] = static_cast<std::int32_t>(p);
+    std::vector<std::int32_t> labels = pieceLabels();
     straightenBorders(surface_, regions_, labels);
-    std::vector<TriangleSet> sets(pieces_.size());
-    for (std::uint32_t t = 0; t < labels.size(); ++t) sets[labels[t]].push_back(t);
     std::vector<Piece> before = std::move(pieces_);
     pieces_.clear();
-    for (std::size_t p = 0; p < before.size(); ++p) {
-      if (sets[p] == before[p].triangles)
-        pieces_.push_back(std::move(before[p]));
-      else if (!sets[p].empty())
-        add(std::move(sets[p]), before[p].region);
+    for (TriangleSet& set : connectedParts(surface_, labels)) {
+      Piece& piece = before[labels[set[0]]];
+      if (set == piece.triangles) {
+        pieces_.push_back(std::move(piece));
+      } else {
+        add(std::move(set), piece.region);
+        pieces_.back().is_merged = piece.is_merged;
+      }
     }
   }
 
@@ -231,7 +297,8 @@ class Charting {
       if (parts.size() > 1 && std::any_of(parts.begin(), parts.end(), holdsMost)) return parts;
     }
     // Stretch above 1 grows with the square of the area, as long as that is curved alike.
-    return divided(triangles, std::clamp(static_cast<int>(std::sqrt(excess)), 2, kMostParts));
+    return divided(triangles,
+                   std::clamp(static_cast<int>(std::sqrt(std::min(excess, 100.0))), 2, kMostParts));
   }
 
   // Flattens what is not flat, and divides what cannot be, until all are.
@@ -270,8 +337,11 @@ class Charting {
 
   std::vector<Contact> contacts() const {
     std::vector<std::uint32_t> id_of(surface_.triangleCount());
-    for (const Piece& piece : pieces_)
+    std::vector<std::uint8_t> is_merged(next_id_, 0);
+    for (const Piece& piece : pieces_) {
+      is_merged[piece.id] = piece.is_merged;
       for (const std::uint32_t t : piece.triangles) id_of[t] = piece.id;
+    }
     std::vector<Contact> result;
     for (std::size_t t = 0; t < surface_.triangleCount(); ++t)
       for (std::size_t k = 0; k < 3; ++k) {
@@ -280,6 +350,7 @@ class Charting {
           result.push_back({id_of[t], id_of[other], surface_.edgeLength(t, k)});
       }
     unite(result);
+    for (Contact& contact : result) contact.is_refused = is_merged[contact.a] && is_merged[contact.b];
     return result;
   }
 
@@ -317,7 +388,7 @@ class Charting {
     std::vector<Contact> all = contacts();
     const auto most_work =
         static_cast<std::int64_t>(options_.merging_effort * static_cast<double>(surface_.triangleCount()));
-    std::int64_t work = 0;
+    std::int64_t work = report_.triangles_tried;
     while (true) {
       std::vector<std::uint8_t> taken(pieces_.size(), 0);
       std::vector<Candidate> pairs;
@@ -355,6 +426,7 @@ class Charting {
         a.triangles = merged[i]->chart.surface_triangles;
         a.perimeter = perimeterOf(merged[i]->chart);
         a.flat = std::move(merged[i]);
+        a.is_merged = false;
         b.triangles.clear();
       }
       std::erase_if(pieces_, [](const Piece& piece) { return piece.triangles.empty(); });

@@ -21,10 +21,13 @@ struct ChartingOptions {
   double largest_share = 0.3;  // of the whole area, that merging may make
   // Merging ends when it has laid so many times all triangles flat: effort is counted, never timed.
   double merging_effort = 40;
+  // Surfaces of many more triangles are charted on a proxy of so many or a 16th first (proxy.h).
+  std::size_t proxy_triangles = 24'000;
 };
 
 struct ChartingReport {
   std::int64_t regions = 0, first_pieces = 0, splits = 0, merges = 0, merges_tried = 0;
+  std::int64_t proxy_triangles = 0;   // 0: there was no need of one
   std::int64_t triangles_tried = 0;   // that merging laid flat, in all
   bool is_merging_cut_short = false;  // more might be possible
 };

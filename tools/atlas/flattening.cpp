@@ -109,14 +109,15 @@ bool isWithinStretch(const FlatPiece& piece, const FlatteningOptions& options) {
 }
 
 // Takes the other plane if it is within the limits.
-void takeIfValid(FlatPiece& piece, std::vector<Vec2> plane, const FlatteningOptions& options) {
-  if (!isInjective(piece.chart, plane)) return;
+bool takeIfValid(FlatPiece& piece, std::vector<Vec2> plane, const FlatteningOptions& options) {
+  if (!isInjective(piece.chart, plane)) return false;
   std::swap(piece.plane, plane);
   const StretchSum before = piece.stretch;
   measure(piece);
-  if (isWithinStretch(piece, options)) return;
+  if (isWithinStretch(piece, options)) return true;
   std::swap(piece.plane, plane);
   piece.stretch = before;
+  return false;
 }
 
 }  // namespace
@@ -145,17 +146,18 @@ Flattening flatten(const Surface& surface, std::span<const std::uint32_t> triang
   return {std::move(piece), 0};
 }
 
-void relax(FlatPiece& piece, const FlatteningOptions& options) {
-  if (options.parameterisation != Parameterisation::kFree || piece.chart.triangles.size() == 1) return;
-  takeIfValid(piece, minimiseDistortion(piece.chart, piece.plane), options);
-}
-
-void straightenTeeth(FlatPiece& piece, const FlatteningOptions& options) {
+bool straightenTeeth(FlatPiece& piece, const FlatteningOptions& options) {
   if (options.parameterisation != Parameterisation::kFree || !(options.straightness > 0) ||
       piece.chart.triangles.size() == 1)
-    return;
-  takeIfValid(piece, minimiseDistortion(piece.chart, piece.plane, {.straightness = options.straightness}),
-              options);
+    return false;
+  return takeIfValid(
+      piece, minimiseDistortion(piece.chart, piece.plane, {.straightness = options.straightness}), options);
+}
+
+void finish(FlatPiece& piece, const FlatteningOptions& options) {
+  if (options.parameterisation != Parameterisation::kFree || piece.chart.triangles.size() == 1) return;
+  if (!straightenTeeth(piece, options))
+    takeIfValid(piece, minimiseDistortion(piece.chart, piece.plane), options);
 }
 
 }  // namespace bakelight::atlas

@@ -39,7 +39,7 @@ struct FlatPiece {
 
 // Nothing if the triangles (connected, ascending) cannot be laid flat one-to-one within the limits: then they
 // have to be divided. One triangle always can. Free borders are left as soon as they are within the limits:
-// see relax().
+// see finish().
 struct Flattening {
   std::optional<FlatPiece> piece;
   // By how many times the stretch above 1 exceeds the limit, where it could be told; else 0.
@@ -48,12 +48,13 @@ struct Flattening {
 Flattening flatten(const Surface& surface, std::span<const std::uint32_t> triangles,
                    const FlatteningOptions& options);
 
-// Free borders: the least distortion, where that is one-to-one, too.
-void relax(FlatPiece& piece, const FlatteningOptions& options);
+// Free borders: the least distortion, with the teeth of borders drawn flat where that keeps within the
+// limits.
+void finish(FlatPiece& piece, const FlatteningOptions& options);
 
-// Draws the teeth of a piece's borders flat where that keeps within the limits; else leaves it as it is. For
-// free borders.
-void straightenTeeth(FlatPiece& piece, const FlatteningOptions& options);
+// Draws the teeth of a piece's borders flat where that keeps within the limits; else leaves it as it is and
+// returns false. For free borders.
+bool straightenTeeth(FlatPiece& piece, const FlatteningOptions& options);
 
 // The mean normal, weighted by area; zero if the normals cancel.
 Vec3 meanNormal(const Surface& surface, std::span<const std::uint32_t> triangles);

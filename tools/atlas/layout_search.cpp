@@ -17,14 +17,16 @@ namespace {
 constexpr std::size_t kStarts = 8, kFinalists = 4;
 
 // Rows of texels that are compared by one start: enough for some twenty charts; with many, bringing them
-// apart texel by texel takes more, and finding a place for each does not.
+// apart texel by texel takes more, and finding a place for each does not: small ones fill the gaps.
 struct Effort {
   std::int64_t coarse, medium, fine;
 };
 Effort effortFor(std::size_t charts) {
   const double few = std::min(1.0, static_cast<double>(charts) / 16);
   const double many = std::max(1.0, static_cast<double>(charts) / 50);
-  return {std::llround(few * 4e7), std::llround(few * many * 8e6), std::llround(few * many * 3e7)};
+  const double fill_gaps = std::min(1.0, 40 / static_cast<double>(charts));
+  return {std::llround(few * fill_gaps * 4e7), std::llround(few * many * 8e6),
+          std::llround(few * many * 3e7)};
 }
 
 // The square as cells of some texels each.

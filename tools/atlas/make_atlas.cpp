@@ -1,5 +1,7 @@
 #include "tools/atlas/make_atlas.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,6 +23,7 @@ constexpr double kSmallArea = 1.0 / 400;
 ChartingOptions chartingOptions(const AtlasOptions& options) {
   ChartingOptions charting;
   charting.cuts_only = options.cuts_only;
+  charting.merging_effort = options.merging_effort;
   charting.flattening.parameterisation = options.parameterisation;
   charting.flattening.normal_threshold_deg = options.normal_threshold_deg;
   charting.flattening.corners = options.corners;
@@ -49,20 +52,27 @@ class PlacedCharts {
  public:
   PlacedCharts(const std::vector<FlatPiece>& pieces, const Packing& packing, int resolution)
       : texcoords_(pieces.size()) {
-    for (std::size_t c = 0; c < pieces.size(); ++c) {
+    std::vector<std::int64_t> nudged(pieces.size(), 0);
+    std::vector<std::uint8_t> is_spoiled(pieces.size(), 0);
+    tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t c) {
       const Eigen::Rotation2Dd rotation(packing.placements[c].angle_rad);
+      texcoords_[c].reserve(pieces[c].plane.size());
       for (const Vec2& p : pieces[c].plane) {
         const Vec2 place =
             (packing.texels_per_unit * (rotation * p) + packing.placements[c].offset) / resolution;
         texcoords_[c].push_back({static_cast<float>(place.x()), static_cast<float>(place.y())});
       }
-      nudged_ += nudgeFlipped(pieces[c].chart.triangles, texcoords_[c]);
-      if (isFine(pieces[c].chart, texcoords_[c])) continue;
+      nudged[c] = nudgeFlipped(pieces[c].chart.triangles, texcoords_[c]);
+      if (isFine(pieces[c].chart, texcoords_[c])) return;
       // One triangle cannot be divided: if nothing turns it back it collapses, which is counted.
       if (pieces[c].chart.triangles.size() == 1)
         texcoords_[c][2] = texcoords_[c][1];
       else
-        spoiled_.push_back(c);
+        is_spoiled[c] = 1;
+    });
+    for (std::size_t c = 0; c < pieces.size(); ++c) {
+      nudged_ += nudged[c];
+      if (is_spoiled[c]) spoiled_.push_back(c);
     }
   }
 

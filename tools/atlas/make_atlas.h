@@ -26,6 +26,7 @@ struct AtlasOptions {
   double straightness = 5;  // free borders: how far the teeth of borders are drawn flat, see free_boundary.h
   double crease_angle_deg = 80;      // edges sharper than this separate charts where they close up
   double normal_threshold_deg = 30;  // projection
+  double merging_effort = 40;        // bound of the work on merging charts, see charting.h
   int corners = 8;                   // convex: of polygons without chosen ones
   int resolution = 1024;             // texels, of the square's side
   int gutter = 2;                    // texels

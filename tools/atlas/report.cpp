@@ -17,6 +17,7 @@ formats::Json toJson(const AtlasReport& report) {
   json["splits"] = report.charting.splits;
   json["merges"] = report.charting.merges;
   json["merges_tried"] = report.charting.merges_tried;
+  json["proxy_triangles"] = report.charting.proxy_triangles;
   json["merge_triangles_tried"] = report.charting.triangles_tried;
   json["crease_edges"] = report.crease_edges;
   json["cut_edges"] = report.cut_edges;

@@ -1,12 +1,17 @@
 #include "tools/atlas/segmentation.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <queue>
 #include <tuple>
 #include <unordered_map>
+#include <utility>
 
 #include "tools/atlas/chart.h"
 
@@ -141,46 +146,103 @@ std::vector<std::int32_t> cluster(const Surface& surface, std::span<const std::u
 
 namespace {
 
-// A few labels with their weights.
-using Mixture = std::vector<std::pair<std::int32_t, double>>;
-
-void addTo(Mixture& mixture, const Mixture& other, double weight) {
-  for (const auto& entry : other) {
-    const auto it = std::find_if(mixture.begin(), mixture.end(),
-                                 [&](const auto& mine) { return mine.first == entry.first; });
-    if (it == mixture.end())
-      mixture.emplace_back(entry.first, weight * entry.second);
-    else
-      it->second += weight * entry.second;
+// A few labels with their weights. Where more meet, the one of least weight is forgotten.
+class Mixture {
+ public:
+  void clear() { count_ = 0; }
+  void add(std::int32_t label, double weight) {
+    std::size_t i = 0;
+    while (i < count_ && labels_[i] != label) ++i;
+    if (i < count_) {
+      weights_[i] += weight;
+      return;
+    }
+    if (count_ == kCapacity) {
+      i = static_cast<std::size_t>(std::min_element(weights_.begin(), weights_.end()) - weights_.begin());
+      if (weight <= weights_[i]) return;
+    } else {
+      ++count_;
+    }
+    labels_[i] = label, weights_[i] = weight;
   }
+  void add(const Mixture& other, double weight) {
+    for (std::size_t i = 0; i < other.count_; ++i) add(other.labels_[i], weight * other.weights_[i]);
+  }
+  // Of equally strong ones the lowest.
+  std::int32_t strongest() const {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < count_; ++i)
+      if (weights_[i] > weights_[best] || (weights_[i] == weights_[best] && labels_[i] < labels_[best]))
+        best = i;
+    return labels_[best];
+  }
+
+ private:
+  static constexpr std::size_t kCapacity = 6;
+  std::size_t count_ = 0;
+  std::array<std::int32_t, kCapacity> labels_{};
+  std::array<double, kCapacity> weights_{};
+};
+
+// The triangles that a border of labels within a region is less than `steps` triangles away from, ascending.
+std::vector<std::uint32_t> nearBorders(const Surface& surface, std::span<const std::int32_t> regions,
+                                       std::span<const std::int32_t> labels, int steps) {
+  std::vector<std::uint8_t> is_near(labels.size(), 0);
+  std::vector<std::uint32_t> queue;
+  const auto take = [&](std::size_t t) {
+    if (std::exchange(is_near[t], 1) == 0) queue.push_back(static_cast<std::uint32_t>(t));
+  };
+  const auto forNeighbors = [&](std::size_t t, const auto& visit) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (const std::int32_t other = surface.passable(t, k); other >= 0 && regions[other] == regions[t])
+        visit(static_cast<std::size_t>(other));
+  };
+  for (std::size_t t = 0; t < labels.size(); ++t)
+    forNeighbors(t, [&](std::size_t other) {
+      if (labels[other] != labels[t]) take(t);
+    });
+  for (std::size_t begin = 0, step = 1; step < static_cast<std::size_t>(steps); ++step)
+    for (const std::size_t end = queue.size(); begin < end; ++begin) forNeighbors(queue[begin], take);
+  std::sort(queue.begin(), queue.end());
+  return queue;
 }
 
 // One round of threshold dynamics (Merriman, Bence & Osher 1992): labels diffuse, then each triangle takes
 // the strongest. Moves borders by their curvature, over more than one triangle at a time.
-std::vector<std::int32_t> diffusedLabels(const Surface& surface, std::span<const std::int32_t> regions,
-                                         std::span<const std::int32_t> labels, int steps) {
-  std::vector<Mixture> mixtures(labels.size()), next(labels.size());
-  for (std::size_t t = 0; t < labels.size(); ++t) mixtures[t] = {{labels[t], 1.0}};
+void diffuseLabels(const Surface& surface, std::span<const std::int32_t> regions,
+                   std::span<std::int32_t> labels, int steps) {
+  // Farther triangles keep a single label.
+  const std::vector<std::uint32_t> active = nearBorders(surface, regions, labels, steps);
+  std::vector<std::int32_t> index_of(labels.size(), -1);
+  for (std::size_t i = 0; i < active.size(); ++i) index_of[active[i]] = static_cast<std::int32_t>(i);
+  std::vector<Mixture> mixtures(active.size()), next(active.size());
+  const auto forAll = [&](const auto& work) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, active.size(), 1024), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) work(i);
+    });
+  };
+  forAll([&](std::size_t i) { mixtures[i].add(labels[active[i]], 1); });
   for (int step = 0; step < steps; ++step) {
-    for (std::size_t t = 0; t < labels.size(); ++t) {
-      next[t].clear();
+    forAll([&](std::size_t i) {
+      const std::uint32_t t = active[i];
       double total = surface.areas[t];
       for (std::size_t k = 0; k < 3; ++k)
         if (const std::int32_t other = surface.passable(t, k); other >= 0 && regions[other] == regions[t])
           total += surface.areas[other];
-      addTo(next[t], mixtures[t], surface.areas[t] / total);
-      for (std::size_t k = 0; k < 3; ++k)
-        if (const std::int32_t other = surface.passable(t, k); other >= 0 && regions[other] == regions[t])
-          addTo(next[t], mixtures[other], surface.areas[other] / total);
-    }
+      next[i].clear();
+      next[i].add(mixtures[i], surface.areas[t] / total);
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::int32_t other = surface.passable(t, k);
+        if (other < 0 || regions[other] != regions[t]) continue;
+        if (index_of[other] >= 0)
+          next[i].add(mixtures[index_of[other]], surface.areas[other] / total);
+        else
+          next[i].add(labels[other], surface.areas[other] / total);
+      }
+    });
     std::swap(mixtures, next);
   }
-  std::vector<std::int32_t> result(labels.size());
-  for (std::size_t t = 0; t < labels.size(); ++t)
-    result[t] = std::max_element(mixtures[t].begin(), mixtures[t].end(), [](const auto& a, const auto& b) {
-                  return a.second != b.second ? a.second < b.second : a.first > b.first;
-                })->first;
-  return result;
+  forAll([&](std::size_t i) { labels[active[i]] = mixtures[i].strongest(); });
 }
 
 // Of each label the largest connected part keeps it; the others take that of the neighbour they share most
@@ -214,8 +276,7 @@ void joinScraps(const Surface& surface, std::span<const std::int32_t> regions,
 void straightenBorders(const Surface& surface, std::span<const std::int32_t> regions,
                        std::span<std::int32_t> labels) {
   for (int round = 0; round < kDiffusionRounds; ++round) {
-    const std::vector<std::int32_t> smoothed = diffusedLabels(surface, regions, labels, kDiffusionSteps);
-    std::copy(smoothed.begin(), smoothed.end(), labels.begin());
+    diffuseLabels(surface, regions, labels, kDiffusionSteps);
     joinScraps(surface, regions, labels);
   }
   std::unordered_map<std::int32_t, std::size_t> sizes;

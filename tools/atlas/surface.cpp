@@ -47,6 +47,8 @@ std::vector<EdgeUse> sortedEdgeUses(const Surface& surface) {
   return uses;
 }
 
+}  // namespace
+
 void findNeighbors(Surface& surface) {
   surface.neighbors.assign(surface.triangleCount(), {-1, -1, -1});
   surface.marks.assign(surface.triangleCount(), {EdgeMark::kNone, EdgeMark::kNone, EdgeMark::kNone});
@@ -67,8 +69,6 @@ void findNeighbors(Surface& surface) {
     }
   }
 }
-
-}  // namespace
 
 Surface surfaceOf(const formats::TriangleMesh& mesh, const std::string& file) {
   check(mesh, file);

@@ -62,6 +62,9 @@ struct Surface {
 // coordinate that is not finite.
 Surface surfaceOf(const formats::TriangleMesh& mesh, const std::string& file);
 
+// What lies across the edges of the triangles; no edge is marked, and edges of each kind are counted.
+void findNeighbors(Surface& surface);
+
 // Marks edges as creases whose triangles' normals differ by more than `angle_deg`. Returns how many.
 std::int64_t markCreases(Surface& surface, double angle_deg);
 
