@@ -53,7 +53,9 @@ void writeParts(const std::filesystem::path& path, const std::vector<Part>& part
   auto output = OIIO::ImageOutput::create("exr");
   ASSERT_TRUE(output->open(path.string(), static_cast<int>(specs.size()), specs.data()));
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (i > 0) ASSERT_TRUE(output->open(path.string(), specs[i], OIIO::ImageOutput::AppendSubimage));
+    if (i > 0) {
+      ASSERT_TRUE(output->open(path.string(), specs[i], OIIO::ImageOutput::AppendSubimage));
+    }
     std::vector<float> texels;
     for (int texel = 0; texel < kWidth * kHeight; ++texel)
       texels.insert(texels.end(), parts[i].values.begin(), parts[i].values.end());

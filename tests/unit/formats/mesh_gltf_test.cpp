@@ -285,8 +285,7 @@ TEST(MeshGltfTest, PrimitivesThatShareVerticesDoNotMultiplyThem) {
 GltfMaker skinnedFile(const std::vector<float>& weights) {
   GltfMaker file = bracketFile();
   std::vector<std::uint8_t> joints;
-  for (int i = 0; i < 12; ++i)
-    for (const std::uint8_t joint : {0, 1, 0, 0}) joints.push_back(joint);
+  for (int i = 0; i < 12; ++i) joints.insert(joints.end(), {0, 1, 0, 0});
   file.attribute("JOINTS_0", file.accessor(joints, "VEC4"));
   file.attribute("WEIGHTS_0", file.accessor(weights, "VEC4"));
   file.attribute("NORMAL", file.accessor(flat(std::vector<Float3>(12, {1, 0, 0})), "VEC3"));
