@@ -4,10 +4,12 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <string_view>
 
 #include "formats/error.h"
 #include "formats/file.h"
@@ -26,6 +28,11 @@ static_assert(std::endian::native == std::endian::little,
 // Rounding to float, and what exporters do with three decimals.
 constexpr double kNormalLengthTolerance = 1e-3;
 constexpr const char* kImportRemedy = "run the simplify tool on it first, which reads any mesh file";
+
+bool isIndexList(const PlyProperty& property) {
+  return property.list_count && isInteger(property.type) &&
+         (property.name == "vertex_indices" || property.name == "vertex_index");
+}
 
 template <class T>
 T valueAt(const std::byte* data) {
@@ -270,11 +277,6 @@ class PlyReader {
     return static_cast<std::uint32_t>(index);
   }
 
-  static bool isIndexList(const PlyProperty& property) {
-    return property.list_count && isInteger(property.type) &&
-           (property.name == "vertex_indices" || property.name == "vertex_index");
-  }
-
   Triangle triangleFrom(const List& list, const PlyProperty& property, std::uint64_t row) const {
     if (list.count != 3) {
       throw error("face " + std::to_string(row), "it has " + std::to_string(list.count) + " corners",
@@ -396,6 +398,29 @@ void writePly(const std::filesystem::path& path, const TriangleMesh& mesh) {
 TriangleMesh readPly(const std::filesystem::path& path) {
   const Bytes bytes = readFile(path);
   return PlyReader(bytes, path.string()).read();
+}
+
+bool isStagePly(const std::filesystem::path& path) {
+  if (lowerEnding(path) != ".ply") return false;
+  const auto isOurs = [](const PlyElement& element, const PlyProperty& property) {
+    static constexpr std::string_view kVertex[] = {"x", "y", "z",   "nx",    "ny",  "nz",
+                                                   "s", "t", "red", "green", "blue"};
+    if (element.name == "vertex")
+      return !property.list_count && property.type == PlyScalar::kFloat32 &&
+             std::find(std::begin(kVertex), std::end(kVertex), property.name) != std::end(kVertex);
+    if (element.name == "face") return isIndexList(property) || property.name == kPlyMaterialIndex;
+    return element.name == "edge";
+  };
+  try {
+    const PlyHeader header = readPlyHeader(readFile(path), path.string());
+    if (header.format != "binary_little_endian") return false;
+    for (const PlyElement& element : header.elements)
+      for (const PlyProperty& property : element.properties)
+        if (!isOurs(element, property)) return false;
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 std::vector<std::array<std::uint32_t, 2>> readPlyEdges(const std::filesystem::path& path) {

@@ -26,6 +26,11 @@ void writePly(const std::filesystem::path& path, const TriangleMesh& mesh);
 // that is not of unit length to within 0.1%.
 TriangleMesh readPly(const std::filesystem::path& path);
 
+// Whether the file is a PLY with nothing in it but what readPly reads: another program's may hold colours of
+// 8 bits, texture coordinates under other names or of face corners, which importMesh reads. False for what is
+// no PLY or damaged.
+bool isStagePly(const std::filesystem::path& path);
+
 // Pairs of vertices from the file's `element edge` (integers vertex1 and vertex2), as MeshLab and Blender
 // write marked edges; none if it has no such element. Throws like readPly, also for a vertex out of range.
 std::vector<std::array<std::uint32_t, 2>> readPlyEdges(const std::filesystem::path& path);

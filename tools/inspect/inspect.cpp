@@ -13,11 +13,11 @@ using Options = std::optional<PreviewOptions>;
 
 // In our own PLY the order of vertices counts, which the strict reader keeps.
 formats::MeshImport readMesh(const std::filesystem::path& path) {
-  if (formats::lowerEnding(path) == ".ply") {
+  if (formats::isStagePly(path)) {
     try {
       return {.mesh = formats::readPly(path)};
     } catch (const Error&) {
-      // A PLY of another flavour, or one that importMesh has the right words about.
+      // One that importMesh has the right words about.
     }
   }
   return formats::importMesh(path);

@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
   std::string up_axis = "y";
   bool double_sided = false;
   stage::Tool tool("simplify", "Repairs a mesh and reduces it to a given number of round triangles");
-  tool.input("mesh", "mesh", mesh_path, "Any mesh file that assimp reads: OBJ, PLY, STL, OFF, glTF, 3DS, ...")
+  tool.input("mesh", "mesh", mesh_path, "OBJ, PLY, STL, OFF, glTF, FBX, COLLADA or 3DS")
       .input("texture", "image", texture_path,
              "Albedo for the mesh's texture coordinates, in place of its own textures and colours; 8-bit "
              "images are sRGB. Becomes vertex colours",

@@ -5,6 +5,8 @@
 
 #include <cstring>
 #include <functional>
+#include <utility>
+#include <vector>
 
 #include "formats/error.h"
 #include "formats/file.h"
@@ -168,6 +170,26 @@ TEST(MeshPly, BadEdgesAreNamed) {
   EXPECT_THAT(errorOfText(whole + "x"), HasSubstr("1 bytes follow"));
 }
 
+TEST(MeshPly, StagesFilesAreToldFromThoseThatHoldMore) {
+  const ScratchFolder folder;
+  TriangleMesh mesh = wavyGrid(2);
+  mesh.colors.assign(4, {0.5F, 0.25F, 1});
+  mesh.triangle_materials.assign(2, 0);
+  mesh.material_names = {"stone"};
+  writePly(folder / "a.ply", mesh);
+  EXPECT_TRUE(isStagePly(folder / "a.ply"));
+  const std::string whole = readTextFile(folder / "a.ply");
+  // Properties that importMesh reads and readPly does not.
+  for (const auto& [ours, theirs] : std::vector<std::pair<std::string, std::string>>{
+           {"property float red", "property uchar red"}, {"property float s\n", "property float u\n"}}) {
+    std::string text = whole;
+    text.replace(text.find(ours), ours.size(), theirs);
+    writeQuickly(folder / "b.ply", text);
+    EXPECT_FALSE(isStagePly(folder / "b.ply")) << theirs;
+  }
+  EXPECT_FALSE(isStagePly(folder / "none.ply"));
+}
+
 TEST(MeshPly, BadFilesAreNamed) {
   const ScratchFolder folder;
   const auto errorOfText = [&](const std::string& text) {
@@ -197,6 +219,11 @@ TEST(MeshPly, BadFilesAreNamed) {
   mesh.positions[3][1] = std::nanf("");
   writePly(folder / "b.ply", mesh);
   EXPECT_THAT(errorOf([&] { readPly(folder / "b.ply"); }), HasSubstr("vertex 3"));
+  mesh = wavyGrid(2);
+  mesh.normals[2] = {0, 1e29F, 0};
+  writePly(folder / "b.ply", mesh);
+  EXPECT_THAT(errorOf([&] { readPly(folder / "b.ply"); }),
+              testing::AllOf(HasSubstr("vertex 2"), HasSubstr("no unit length")));
 }
 
 TEST(MeshPly, GeometryHashSeesOrderNormalsAndTrianglesOnly) {
