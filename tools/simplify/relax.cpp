@@ -488,7 +488,7 @@ RelaxCounts relax(CornerMesh& mesh, const SurfaceQuery& original, int rounds, st
     if (round == insertions[0]) share = insert_triangles / 4 * 2;
     if (round == insertions[1]) share = insert_triangles;
     if (share > 0) relaxation.insertWhereWorst(share), insert_triangles -= std::min(insert_triangles, share);
-    if (round > 0 && (round % kRoundsAssigned == 0 || share > 0)) relaxation.refresh();
+    if (share > 0 || (round > 0 && round % kRoundsAssigned == 0)) relaxation.refresh();
     counts.flips += relaxation.flipEdges();
     counts.moves += relaxation.moveVertices();
   }
