@@ -481,10 +481,14 @@ std::int64_t Relaxation::moveVertices() {
 RelaxCounts relax(CornerMesh& mesh, const SurfaceQuery& original, int rounds, std::size_t insert_triangles) {
   RelaxCounts counts;
   Relaxation relaxation(mesh, original);
-  const int insertion = rounds / 2;
+  // Half of them later: what is worst by then may be elsewhere.
+  const std::array<int, 2> insertions = {rounds / 2, 3 * rounds / 4};
   for (int round = 0; round < rounds; ++round) {
-    if (round == insertion) relaxation.insertWhereWorst(insert_triangles);
-    if (round > 0 && (round % kRoundsAssigned == 0 || round == insertion)) relaxation.refresh();
+    std::size_t share = 0;
+    if (round == insertions[0]) share = insert_triangles / 4 * 2;
+    if (round == insertions[1]) share = insert_triangles;
+    if (share > 0) relaxation.insertWhereWorst(share), insert_triangles -= std::min(insert_triangles, share);
+    if (share > 0 || (round > 0 && round % kRoundsAssigned == 0)) relaxation.refresh();
     counts.flips += relaxation.flipEdges();
     counts.moves += relaxation.moveVertices();
   }

@@ -8,7 +8,9 @@
 #include <set>
 
 #include "formats/error.h"
+#include "tests/support/rippled_ball.h"
 #include "tests/support/shapes.h"
+#include "tools/simplify/refine.h"
 
 namespace bakelight::simplify {
 namespace {
@@ -117,6 +119,22 @@ TEST(Simplify, SameBytesWithOneThreadAndWithMany) {
   EXPECT_EQ(one.report.deviation.mean, many.report.deviation.mean);
 }
 
+// Large enough for every step to be shared out, with ripples, folds at the poles and a hole.
+TEST(Simplify, ManyTrianglesGiveTheSameBytesWithOneThreadAndWithMany) {
+  TriangleMesh input = tests::rippledBall(30'000);
+  input.triangles.resize(input.triangles.size() - 100);
+  const auto withThreads = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return simplifyTo(input, 4000);
+  };
+  const SimplifyResult one = withThreads(1), many = withThreads(7);
+  EXPECT_EQ(one.report.triangles_out, 4000);
+  EXPECT_EQ(one.mesh.positions, many.mesh.positions);
+  EXPECT_EQ(one.mesh.triangles, many.mesh.triangles);
+  EXPECT_EQ(one.report.flips, many.report.flips);
+  EXPECT_EQ(one.report.deviation.hausdorff, many.report.deviation.hausdorff);
+}
+
 TEST(Simplify, CubeKeepsItsCornersAndFlatFaces) {
   const SimplifyResult result = simplifyTo(cube(16), 300);  // from 3,072
   expectSound(result);
@@ -157,6 +175,25 @@ TEST(Simplify, DoesNotDecimateWhatIsSmallEnough) {
   for (std::size_t v = 0; v < input.vertexCount(); ++v) {
     EXPECT_NEAR((vec3(result.mesh.positions[v]) - vec3(input.positions[v])).norm(), 0, 1e-6);
   }
+}
+
+// A hole closed by a fan of needles: halves of the shorter sides alone would never become short.
+TEST(Refine, LongTrianglesBecomeShortInFewSplits) {
+  WorkingMesh fan;
+  constexpr std::uint32_t kSides = 60;
+  fan.positions.push_back({20, 3, 0});
+  for (std::uint32_t k = 0; k < kSides; ++k) {
+    const double angle = 2 * M_PI * k / kSides;
+    fan.positions.push_back({35 * std::cos(angle), 35 * std::sin(angle), 0});
+    fan.triangles.push_back({0, 1 + k, 1 + (k + 1) % kSides});
+  }
+  CornerMesh mesh(fan);
+  const double area_before = area(fan);
+  const std::int64_t splits = splitLongEdges(mesh, 10, 20'000);
+  EXPECT_GT(splits, kSides);
+  EXPECT_LT(splits, 20 * kSides);
+  for (Side s = 0; s < mesh.opposite.size(); ++s) EXPECT_LE(mesh.length(s), 10);
+  EXPECT_NEAR(area({mesh.positions, mesh.triangles}), area_before, 1e-9 * area_before);
 }
 
 // ---- stiff and extreme
