@@ -6,6 +6,7 @@
 #include <map>
 #include <new>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "formats/image_input.h"
@@ -100,6 +101,11 @@ std::optional<Channels> chosen(const Candidates& candidates, const std::string& 
   return candidates.grey;
 }
 
+// Formats without names for channels: OpenImageIO calls the two of some TIFFs R and G.
+bool isGreyWithAlpha(const OIIO::ImageInput& input) {
+  return std::string_view(input.format_name()) != "openexr" && input.spec().nchannels == 2;
+}
+
 struct Selection {
   int part = 0;
   Channels channels = {};
@@ -113,6 +119,7 @@ Selection selectColor(OIIO::ImageInput& input, const std::string& file) {
     deep = deep || spec.deep;
     if (spec.deep) continue;
     if (const auto channels = chosen(candidatesOf(spec.channelnames), file)) return {part, *channels};
+    if (isGreyWithAlpha(input)) return {part, {0, 0, 0}};
     seen.insert(seen.end(), spec.channelnames.begin(), spec.channelnames.end());
   }
   const std::string reason = input.geterror();

@@ -34,7 +34,7 @@ struct PlayerComparison {
 // What shines: files and the parameters that go with them.
 struct PlayerLights {
   std::filesystem::path environment_path = {}, rig_path = {};  // both empty: the default light
-  std::optional<double> windowing;
+  std::optional<double> windowing = {};
   int cube_resolution = 64;
 };
 
