@@ -104,8 +104,8 @@ TEST(AtlasPreview, MaterialsHaveTheirColoursWithOrWithoutTexcoords) {
   mesh.material_names = {"left", "right"};
   options.layout = Layout::kAtlas;
   const Image atlas = previewAtlas(mesh, options, "").image;
-  EXPECT_LT(difference(pixel(atlas, 8, 55), chartColor(0)), 0.02);
-  EXPECT_LT(difference(pixel(atlas, 40, 25), chartColor(1)), 0.02);
+  EXPECT_LT(difference(pixel(atlas, 20, 60), chartColor(0)), 0.02);
+  EXPECT_LT(difference(pixel(atlas, 37, 12), chartColor(1)), 0.02);
   options.layout = Layout::kModel;
   mesh.texcoords.clear();
   const Preview preview = previewMaterials(mesh, options, "");
