@@ -24,7 +24,6 @@ struct Axis {
 };
 
 std::optional<Axis> axisAt(const aiMetadata& metadata, const std::string& name) {
-  Axis result;
   std::int32_t axis = 0, sign = 1;
   if (!metadata.Get(name, axis) || axis < 0 || axis > 2) return std::nullopt;
   if (!metadata.Get(name + "Sign", sign)) sign = 1;
