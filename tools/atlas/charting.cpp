@@ -105,6 +105,12 @@ constexpr double kLeastReduction = 1.5;
 constexpr std::size_t kLargestReduction = 16;
 // Of the stretch above 1 that charts may have, on the proxy.
 constexpr double kShareOfProxy = 0.9;
+// Of a neighbour's area: what is smaller joins it untried.
+constexpr double kScrap = 1.0 / 200;
+// Of all triangles, that the first merges beside a proxy's charts may take, and by what that grows when none
+// are left.
+constexpr std::int64_t kSmallestMerges = 256;
+constexpr std::int64_t kGrowthOfMerges = 4;
 
 class Charting {
  public:
@@ -143,6 +149,7 @@ class Charting {
     if (!options_.cuts_only) {
       if (!isWorthProxy() || !takePiecesOfProxy()) divideRegions();
       straighten();
+      if (report_.proxy_triangles > 0) joinScraps();
       settle();
       merge();
       // Straight borders would bring triangles with them that cannot be projected; and those of a proxy's
@@ -277,6 +284,37 @@ class Charting {
     }
   }
 
+  // What labels from a proxy and straightening leave on the wrong side of a border, to the larger neighbour
+  // with the longest common border: merging would lay that flat once more for each.
+  void joinScraps() {
+    std::vector<std::size_t> piece_of(next_id_), into(pieces_.size());
+    std::vector<double> areas(pieces_.size(), 0), lengths(pieces_.size(), 0);
+    std::iota(into.begin(), into.end(), std::size_t{0});
+    for (std::size_t p = 0; p < pieces_.size(); ++p) {
+      piece_of[pieces_[p].id] = p;
+      for (const std::uint32_t t : pieces_[p].triangles) areas[p] += surface_.areas[t];
+    }
+    for (const Contact& contact : contacts()) {
+      std::size_t small = piece_of[contact.a], large = piece_of[contact.b];
+      if (areas[large] < areas[small]) std::swap(small, large);
+      if (!(areas[small] < kScrap * areas[large]) || contact.length <= lengths[small]) continue;
+      lengths[small] = contact.length;
+      into[small] = large;
+    }
+    for (std::size_t p = 0; p < pieces_.size(); ++p) {
+      std::size_t whole = p;
+      while (into[whole] != whole) whole = into[whole];  // ever larger ones
+      if (whole == p) continue;
+      TriangleSet& all = pieces_[whole].triangles;
+      TriangleSet& scrap = pieces_[p].triangles;
+      all.insert(all.end(), scrap.begin(), scrap.end());
+      scrap.clear();
+      pieces_[whole].flat.reset();
+    }
+    std::erase_if(pieces_, [](const Piece& piece) { return piece.triangles.empty(); });
+    for (Piece& piece : pieces_) std::sort(piece.triangles.begin(), piece.triangles.end());
+  }
+
   // Halves, or more parts where more are likely to be needed; or, where most of a piece could be projected
   // along its mean normal, that and the scraps that could not.
   std::vector<TriangleSet> partsOf(const TriangleSet& triangles, double excess) const {
@@ -383,12 +421,16 @@ class Charting {
     return flat;
   }
 
-  // In rounds: of the candidates those that do not meet are tried at once.
+  // In rounds: of the candidates those that do not meet are tried at once. On large surfaces small ones come
+  // first: else each scrap beside a large piece would lay that flat once more.
   void merge() {
     std::vector<Contact> all = contacts();
     const auto most_work =
         static_cast<std::int64_t>(options_.merging_effort * static_cast<double>(surface_.triangleCount()));
+    const auto whole = static_cast<std::int64_t>(surface_.triangleCount());
     std::int64_t work = report_.triangles_tried;
+    std::int64_t largest =
+        report_.proxy_triangles > 0 ? std::max<std::int64_t>(1, whole / kSmallestMerges) : whole;
     while (true) {
       std::vector<std::uint8_t> taken(pieces_.size(), 0);
       std::vector<Candidate> pairs;
@@ -396,6 +438,7 @@ class Charting {
         if (taken[pair.a] || taken[pair.b]) continue;
         const auto triangles =
             static_cast<std::int64_t>(pieces_[pair.a].triangles.size() + pieces_[pair.b].triangles.size());
+        if (triangles > largest) continue;
         if (work + triangles > most_work) {
           report_.is_merging_cut_short = true;
           continue;
@@ -405,7 +448,11 @@ class Charting {
         pairs.push_back(pair);
       }
       report_.triangles_tried = work;
-      if (pairs.empty()) return;
+      if (pairs.empty()) {
+        if (largest >= whole) return;
+        largest *= kGrowthOfMerges;
+        continue;
+      }
       std::vector<std::optional<FlatPiece>> merged(pairs.size());
       tbb::parallel_for(
           std::size_t{0}, pairs.size(),

@@ -33,8 +33,9 @@ struct ChartingReport {
 };
 
 // Segmentation (segmentation.h) within what creases separate, flattening, halving of what does not lie flat,
-// then merging of neighbours as long as they lie flat together, longest common borders first. Charts cover
-// every triangle once and are ordered by their first triangles. Deterministic; threads by TBB.
+// then merging of neighbours as long as they lie flat together, longest common borders first; by way of a
+// proxy, small pieces before large ones, and scraps join their neighbours untried. Charts cover every
+// triangle once and are ordered by their first triangles. Deterministic; threads by TBB.
 std::vector<FlatPiece> makeCharts(const Surface& surface, const ChartingOptions& options,
                                   ChartingReport& report);
 
