@@ -60,7 +60,7 @@ class PointGrid {
  public:
   // `reach` is no more than the size of a cell.
   PointGrid(const std::vector<Vec3>& positions, const std::vector<Index>& points, double reach)
-      : positions_(positions), cell_size_(kReaches * reach), reach_(reach), entries_(points.size()) {
+      : cell_size_(kReaches * reach), reach_(reach), entries_(points.size()) {
     tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
       const Vec3& p = positions[points[i]];
       entries_[i] = {hash({cellOf(p.x()), cellOf(p.y()), cellOf(p.z())}), points[i]};
@@ -102,7 +102,6 @@ class PointGrid {
     return h;
   }
 
-  const std::vector<Vec3>& positions_;
   double cell_size_, reach_;
   std::vector<std::pair<std::uint64_t, Index>> entries_;
 };

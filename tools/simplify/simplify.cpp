@@ -30,7 +30,7 @@ constexpr double kMinCreaseSides = 5;
 constexpr double kMaxEdgeSides = 2;
 // One in so many triangles is left for the places that fit worst after the first half of the relaxation.
 constexpr std::size_t kReserveDivisor = 100;
-constexpr std::size_t kDeviationSamples = 200'000;
+constexpr std::size_t kDeviationSamples = 100'000;
 
 void checkInput(const formats::TriangleMesh& mesh, const std::string& file) {
   if (mesh.triangles.empty())
