@@ -27,7 +27,7 @@ struct DecimationResult {
 //
 // In rounds: among the cheapest collapses of all, those that are the cheapest of their surroundings run at
 // once; what lies next to a vertex of very many triangles follows one by one. All TBB threads, the same bytes
-// for any number of them. Cost: O(n), about 1 µs of one core for each triangle removed.
+// for any number of them. Cost: O(n), 5 to 10 µs of one core for each triangle removed.
 DecimationResult decimate(CornerMesh& mesh, std::size_t target);
 
 }  // namespace bakelight::simplify

@@ -10,34 +10,6 @@ bool isMaterialBorder(const HalfEdgeMesh& mesh, EdgeHandle edge) {
   return mesh.data(mesh.face_handle(h)).material != mesh.data(mesh.opposite_face_handle(h)).material;
 }
 
-VertexHandle splitEdge(HalfEdgeMesh& mesh, EdgeHandle edge, const Point& place) {
-  struct Side {
-    VertexHandle apex;
-    std::uint32_t material;
-  };
-  std::vector<Side> sides;
-  for (const unsigned side : {0u, 1u}) {
-    const HalfedgeHandle h = mesh.halfedge_handle(edge, side);
-    if (mesh.is_boundary(h)) continue;
-    sides.push_back(
-        {mesh.to_vertex_handle(mesh.next_halfedge_handle(h)), mesh.data(mesh.face_handle(h)).material});
-  }
-  const VertexHandle middle = mesh.split(edge, place);
-  for (const Side& side : sides) {
-    const HalfedgeHandle h = mesh.find_halfedge(middle, side.apex);
-    mesh.data(mesh.face_handle(h)).material = side.material;
-    mesh.data(mesh.opposite_face_handle(h)).material = side.material;
-  }
-  return middle;
-}
-
-VertexHandle splitFace(HalfEdgeMesh& mesh, FaceHandle face, const Point& place) {
-  const std::uint32_t material = mesh.data(face).material;
-  const VertexHandle middle = mesh.split(face, place);
-  for (const auto part : mesh.vf_range(middle)) mesh.data(part).material = material;
-  return middle;
-}
-
 HalfEdgeMesh halfEdgeMesh(const WorkingMesh& mesh) {
   HalfEdgeMesh half_edges;
   half_edges.reserve(mesh.positions.size(), 3 * mesh.triangles.size() / 2 + 3, mesh.triangles.size());

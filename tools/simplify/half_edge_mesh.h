@@ -34,10 +34,6 @@ inline Point point(const Vec3& v) {
 // An edge between triangles of two materials.
 bool isMaterialBorder(const HalfEdgeMesh& mesh, EdgeHandle edge);
 
-// As OpenMesh's split(), and the parts keep the material of the triangle that they are of.
-VertexHandle splitEdge(HalfEdgeMesh& mesh, EdgeHandle edge, const Point& place);
-VertexHandle splitFace(HalfEdgeMesh& mesh, FaceHandle face, const Point& place);
-
 // Throws std::logic_error if `mesh` is not an oriented manifold (repair() makes it one).
 HalfEdgeMesh halfEdgeMesh(const WorkingMesh& mesh);
 // Collects garbage first.
