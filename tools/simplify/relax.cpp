@@ -29,8 +29,6 @@ constexpr double kPeak = 6;
 constexpr double kMinSamplesPerTriangle = 8;
 // Rounds after which each sample looks for its closest triangle anew.
 constexpr int kRoundsAssigned = 4;
-// The last ones, in which a vertex takes the best of the places that it tries.
-constexpr int kThoroughRounds = 2;
 constexpr double kMaxPeakWeight = 50;
 // Normals of triangles that an operation replaces may turn by this much.
 const double kTurnCosine = std::cos(35 * std::numbers::pi / 180);
@@ -102,8 +100,6 @@ class Relaxation {
   // more are there (or one fewer).
   void insertWhereWorst(std::size_t triangles);
   std::int64_t flipEdges();
-  // While it is not, a vertex takes the first place that is better than its own.
-  void beThorough() { thorough_ = true; }
   std::int64_t moveVertices();
 
  private:
@@ -169,7 +165,6 @@ class Relaxation {
   double bestLift(const Patch& patch, const std::vector<Foot>& feet, const Vec3& normal) const;
 
   CornerMesh& mesh_;
-  bool thorough_ = false;
   const SurfaceQuery& original_;
   Samples samples_;
   double sigma2_ = 0, sample_weight_ = 0;
@@ -435,7 +430,6 @@ bool Relaxation::move(std::uint32_t vertex, Workspace& work) {
     best = cost;
     target = candidate;
     std::swap(work.best_feet, work.feet);
-    if (!thorough_) break;
   }
   if (!target) return false;
   mesh_.positions[vertex] = *target;
@@ -495,7 +489,6 @@ RelaxCounts relax(CornerMesh& mesh, const SurfaceQuery& original, int rounds, st
     if (round == insertions[1]) share = insert_triangles;
     if (share > 0) relaxation.insertWhereWorst(share), insert_triangles -= std::min(insert_triangles, share);
     if (share > 0 || (round > 0 && round % kRoundsAssigned == 0)) relaxation.refresh();
-    if (round + kThoroughRounds >= rounds) relaxation.beThorough();
     counts.flips += relaxation.flipEdges();
     counts.moves += relaxation.moveVertices();
   }
