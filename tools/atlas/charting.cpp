@@ -53,8 +53,10 @@ struct Piece {
   std::int32_t region = 0;
   std::uint32_t id = 0;  // no two pieces ever have the same
   std::optional<FlatPiece> flat;
+  std::vector<Vec2> directions;  // of the triangles, until they are among the guides
   double perimeter = 0;
   bool is_merged = false;  // with what it may be merged with
+  bool is_finished = false;
 };
 
 // Two pieces with a common border.
@@ -115,18 +117,22 @@ constexpr std::int64_t kGrowthOfMerges = 4;
 class Charting {
  public:
   Charting(const Surface& surface, const ChartingOptions& options, ChartingReport& report)
-      : surface_(surface), options_(options), report_(report) {}
+      : surface_(surface), options_(options), report_(report) {
+    guides_.directions.resize(surface.triangleCount());
+    guides_.planes.assign(surface.triangleCount(), -1);
+  }
 
   std::vector<FlatPiece> run() {
     makePieces();
     return flatPieces();
   }
 
-  // Only which triangles belong together: a label for each.
+  // Only which triangles belong together: a label for each, and how they lie.
   std::vector<std::int32_t> labels() {
     makePieces();
     return pieceLabels();
   }
+  const Guides& guides() const { return guides_; }
 
   std::vector<FlatPiece> runOn(std::vector<FlatPiece> pieces, std::span<const std::size_t> to_divide) {
     for (std::size_t p = 0; p < pieces.size(); ++p) {
@@ -137,6 +143,7 @@ class Charting {
       } else {
         add(triangles, 0);
         pieces_.back().flat = std::move(pieces[p]);
+        pieces_.back().is_finished = true;
       }
     }
     settle();
@@ -190,8 +197,20 @@ class Charting {
     // Details take their share of the stretch.
     options.flattening.max_stretch = 1 + kShareOfProxy * (options.flattening.max_stretch - 1);
     ChartingReport report;
-    std::vector<std::int32_t> labels =
-        labelsFromProxy(surface_, regions_, proxy, Charting(proxy.surface, options, report).labels());
+    Charting charting(proxy.surface, options, report);
+    const std::vector<std::int32_t> proxy_labels = charting.labels(),
+                                    nearest = nearestOfProxy(surface_, regions_, proxy);
+    std::vector<std::int32_t> labels(nearest.size(), -1);
+    guides_.planes = labels;
+    next_plane_ = charting.next_plane_;
+    tbb::parallel_for(std::size_t{0}, nearest.size(), [&](std::size_t t) {
+      if (nearest[t] < 0) return;
+      labels[t] = proxy_labels[nearest[t]];
+      guides_.planes[t] = charting.guides().planes[nearest[t]];
+      guides_.directions[t] =
+          directionBeside(surface_, static_cast<std::uint32_t>(t), proxy.surface,
+                          static_cast<std::uint32_t>(nearest[t]), charting.guides().directions[nearest[t]]);
+    });
     report_.first_pieces = report.first_pieces;
     report_.splits = report.splits;
     report_.merges = report.merges;
@@ -212,11 +231,20 @@ class Charting {
   }
 
   std::vector<FlatPiece> flatPieces() {
-    forEachLargestFirst(pieces_, [&](std::size_t p) { finish(*pieces_[p].flat, options_.flattening); });
+    forEachLargestFirst(pieces_, [&](std::size_t p) {
+      if (!pieces_[p].is_finished) finish(*pieces_[p].flat, options_.flattening);
+    });
     std::vector<FlatPiece> result;
     result.reserve(pieces_.size());
     for (Piece& piece : pieces_) result.push_back(std::move(*piece.flat));
     return result;
+  }
+
+  // How a piece lies, for what will be made of its triangles.
+  void remember(Piece& piece) {
+    if (piece.directions.empty()) return;
+    guides_.set(piece.triangles, piece.directions, next_plane_++);
+    piece.directions.clear();
   }
 
   void add(TriangleSet triangles, std::int32_t region) {
@@ -253,9 +281,9 @@ class Charting {
       for (const std::uint32_t t : pieces_[p].triangles) area += surface_.areas[t];
       const int count = static_cast<int>(std::lround(options_.pieces * area));
       if (count <= 1) return;
-      auto whole = flatten(surface_, pieces_[p].triangles, options_.flattening).piece;
-      if (whole && solidityOf(*whole) >= options_.solidity)
-        pieces_[p].flat = std::move(whole);
+      Flattening whole = flatten(surface_, pieces_[p].triangles, options_.flattening);
+      if (whole.piece && solidityOf(*whole.piece) >= options_.solidity)
+        pieces_[p].flat = std::move(whole.piece), pieces_[p].directions = std::move(whole.directions);
       else
         made[p] = divided(pieces_[p].triangles, count);
     });
@@ -349,8 +377,9 @@ class Charting {
         Piece& piece = open[i];
         double excess = 0;
         if (!piece.flat) {
-          Flattening flattening = flatten(surface_, piece.triangles, options_.flattening);
+          Flattening flattening = flatten(surface_, piece.triangles, options_.flattening, guides_);
           piece.flat = std::move(flattening.piece);
+          piece.directions = std::move(flattening.directions);
           excess = flattening.excess;
         }
         if (piece.flat)
@@ -359,6 +388,7 @@ class Charting {
           parts[i] = partsOf(piece.triangles, excess);
       });
       for (std::size_t i = 0; i < open.size(); ++i) {
+        remember(open[i]);
         if (open[i].flat) {
           done.push_back(std::move(open[i]));
           continue;
@@ -409,15 +439,15 @@ class Charting {
     return result;
   }
 
-  std::optional<FlatPiece> together(const Piece& a, const Piece& b) const {
+  Flattening together(const Piece& a, const Piece& b) const {
     TriangleSet both;
     std::merge(a.triangles.begin(), a.triangles.end(), b.triangles.begin(), b.triangles.end(),
                std::back_inserter(both));
-    auto flat = flatten(surface_, both, options_.flattening).piece;
-    if (!flat) return flat;
+    Flattening flat = flatten(surface_, both, options_.flattening, guides_);
+    if (!flat.piece) return flat;
     // A scrap may join a piece that is hollow itself.
     const Piece& larger = a.flat->chart.area < b.flat->chart.area ? b : a;
-    if (solidityOf(*flat) < std::min(options_.solidity, solidityOf(*larger.flat))) flat.reset();
+    if (solidityOf(*flat.piece) < std::min(options_.solidity, solidityOf(*larger.flat))) flat.piece.reset();
     return flat;
   }
 
@@ -453,7 +483,7 @@ class Charting {
         largest *= kGrowthOfMerges;
         continue;
       }
-      std::vector<std::optional<FlatPiece>> merged(pairs.size());
+      std::vector<Flattening> merged(pairs.size());
       tbb::parallel_for(
           std::size_t{0}, pairs.size(),
           [&](std::size_t i) { merged[i] = together(pieces_[pairs[i].a], pieces_[pairs[i].b]); },
@@ -462,7 +492,7 @@ class Charting {
       std::iota(new_ids.begin(), new_ids.end(), 0u);
       for (std::size_t i = 0; i < pairs.size(); ++i) {
         ++report_.merges_tried;
-        if (!merged[i]) {
+        if (!merged[i].piece) {
           all[pairs[i].contact].is_refused = true;
           continue;
         }
@@ -470,9 +500,11 @@ class Charting {
         Piece &a = pieces_[pairs[i].a], &b = pieces_[pairs[i].b];
         new_ids[a.id] = new_ids[b.id] = next_id_;
         a.id = next_id_++;
-        a.triangles = merged[i]->chart.surface_triangles;
-        a.perimeter = perimeterOf(merged[i]->chart);
-        a.flat = std::move(merged[i]);
+        a.triangles = merged[i].piece->chart.surface_triangles;
+        a.perimeter = perimeterOf(merged[i].piece->chart);
+        a.flat = std::move(merged[i].piece);
+        a.directions = std::move(merged[i].directions);
+        remember(a);
         a.is_merged = false;
         b.triangles.clear();
       }
@@ -498,6 +530,8 @@ class Charting {
   std::vector<std::int32_t> regions_;
   std::vector<Piece> pieces_;
   std::uint32_t next_id_ = 0;
+  Guides guides_;
+  std::int32_t next_plane_ = 0;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "tools/atlas/convex_boundary.h"
 #include "tools/atlas/free_boundary.h"
 #include "tools/atlas/injectivity.h"
+#include "tools/atlas/untangling.h"
 
 namespace bakelight::atlas {
 namespace {
@@ -34,6 +35,8 @@ using Plane = std::optional<std::vector<Vec2>>;
 constexpr double kRoundingStretch = 1e-6;
 // How much more stretch a small chart may have.
 constexpr double kSmallChartsExcess = 4;
+// Of the last steps, see FreeBoundaryOptions.
+constexpr double kLeastProgress = 1e-3;
 
 Plane convexly(const Chart& chart, const FlatteningOptions& options) {
   if (!canBeConvex(chart)) return std::nullopt;
@@ -51,17 +54,54 @@ double largestStretch(const Chart& chart, const FlatteningOptions& options) {
   return 1 + excess * (options.max_stretch - 1) + kRoundingStretch;
 }
 
+bool isWithinStretch(const Chart& chart, const std::vector<Vec2>& plane, const FlatteningOptions& options) {
+  return stretchOf(chart, plane).l2() <= largestStretch(chart, options);
+}
+
+// From a start without flipped triangles until it is within the limits, or will hardly ever be.
+std::vector<Vec2> relaxed(const Chart& chart, std::vector<Vec2> start, const FlatteningOptions& options) {
+  return minimiseDistortion(chart, std::move(start), {.enough_l2 = largestStretch(chart, options)});
+}
+
+bool isGood(const Chart& chart, const std::vector<Vec2>& plane, const FlatteningOptions& options) {
+  return isWithinStretch(chart, plane, options) && isInjective(chart, plane);
+}
+
+// Mends borders where that keeps within the limits.
+bool mend(const Chart& chart, std::vector<Vec2>& plane, const FlatteningOptions& options) {
+  std::vector<Vec2> before = plane;
+  if (uncrossBorders(chart, plane) && isWithinStretch(chart, plane, options)) return true;
+  plane = std::move(before);
+  return false;
+}
+
+// Guides give a start near the least distortion, where parts that lie on each other still will.
+Plane guided(const Surface& surface, const Chart& chart, const FlatteningOptions& options,
+             const Guides& guides) {
+  Plane plane = guidedStart(surface, chart, guides);
+  if (!plane || !(isInjective(chart, *plane) || uncrossBorders(chart, *plane))) return std::nullopt;
+  *plane = relaxed(chart, std::move(*plane), options);
+  if (!isGood(chart, *plane, options)) mend(chart, *plane, options);
+  return plane;
+}
+
 // Convex polygons are a start for whatever they take, but a slow one: what is larger is divided sooner.
-Plane freely(const Chart& chart, const FlatteningOptions& options) {
-  constexpr std::size_t kMostTriangles = 400;
-  Plane start = flatStart(chart);
-  if (!start && (chart.triangles.size() <= kMostTriangles || !std::isfinite(options.max_stretch)))
-    start = convexly(chart, options);
-  if (!start) return start;
-  auto plane = minimiseDistortion(chart, std::move(*start), {.enough_l2 = largestStretch(chart, options)});
+Plane freely(const Surface& surface, const Chart& chart, const FlatteningOptions& options,
+             const Guides& guides) {
+  constexpr std::size_t kMostForConvex = 400, kMostForSecondTry = 10'000;
+  if (!chart.isPlanar()) return std::nullopt;
+  Plane plane = guided(surface, chart, options, guides);
+  if (plane && (chart.triangles.size() > kMostForSecondTry || isGood(chart, *plane, options))) return plane;
+  plane = flatStart(chart);
+  if (!plane && (chart.triangles.size() <= kMostForConvex || !std::isfinite(options.max_stretch)))
+    plane = convexly(chart, options);
+  if (!plane) return plane;
+  *plane = relaxed(chart, std::move(*plane), options);
+  if (!isWithinStretch(chart, *plane, options) || isInjective(chart, *plane) || mend(chart, *plane, options))
+    return plane;
   // Where little stretch comes sooner than that no part lies on another.
-  if (stretchOf(chart, plane).l2() <= largestStretch(chart, options) && !isInjective(chart, plane))
-    plane = minimiseDistortion(chart, std::move(plane));
+  *plane = minimiseDistortion(chart, std::move(*plane));
+  uncrossBorders(chart, *plane);
   return plane;
 }
 
@@ -86,11 +126,12 @@ Plane triangleAsItIs(const Chart& chart) {
   return plane;
 }
 
-Plane planeOf(const Surface& surface, const Chart& chart, const FlatteningOptions& options) {
+Plane planeOf(const Surface& surface, const Chart& chart, const FlatteningOptions& options,
+              const Guides& guides) {
   if (chart.triangles.size() == 1) return triangleAsItIs(chart);
   switch (options.parameterisation) {
     case Parameterisation::kFree:
-      return freely(chart, options);
+      return freely(surface, chart, options, guides);
     case Parameterisation::kConvex:
       return convexly(chart, options);
     case Parameterisation::kProjection:
@@ -110,7 +151,7 @@ bool isWithinStretch(const FlatPiece& piece, const FlatteningOptions& options) {
 
 // Takes the other plane if it is within the limits.
 bool takeIfValid(FlatPiece& piece, std::vector<Vec2> plane, const FlatteningOptions& options) {
-  if (!isInjective(piece.chart, plane)) return false;
+  if (!uncrossBorders(piece.chart, plane) || !isInjective(piece.chart, plane)) return false;
   std::swap(piece.plane, plane);
   const StretchSum before = piece.stretch;
   measure(piece);
@@ -133,17 +174,22 @@ bool isWithin(const Surface& surface, std::uint32_t triangle, const Vec3& axis, 
 }
 
 Flattening flatten(const Surface& surface, std::span<const std::uint32_t> triangles,
-                   const FlatteningOptions& options) {
+                   const FlatteningOptions& options, const Guides& guides) {
   FlatPiece piece;
   piece.chart = chartOf(surface, triangles);
-  Plane plane = planeOf(surface, piece.chart, options);
-  if (!plane) return {};
+  Plane plane = planeOf(surface, piece.chart, options, guides);
+  Flattening result;
+  if (!plane) return result;
   piece.plane = std::move(*plane);
-  if (triangles.size() > 1 && !isInjective(piece.chart, piece.plane)) return {};
+  result.directions = directionsIn(piece.chart, piece.plane);
+  if (triangles.size() > 1 && !isInjective(piece.chart, piece.plane)) return result;
+
   measure(piece);
   if (triangles.size() > 1 && !isWithinStretch(piece, options))
-    return {std::nullopt, (piece.stretch.l2() - 1) / (largestStretch(piece.chart, options) - 1)};
-  return {std::move(piece), 0};
+    result.excess = (piece.stretch.l2() - 1) / (largestStretch(piece.chart, options) - 1);
+  else
+    result.piece = std::move(piece);
+  return result;
 }
 
 bool straightenTeeth(FlatPiece& piece, const FlatteningOptions& options) {
@@ -151,13 +197,17 @@ bool straightenTeeth(FlatPiece& piece, const FlatteningOptions& options) {
       piece.chart.triangles.size() == 1)
     return false;
   return takeIfValid(
-      piece, minimiseDistortion(piece.chart, piece.plane, {.straightness = options.straightness}), options);
+      piece,
+      minimiseDistortion(piece.chart, piece.plane,
+                         {.straightness = options.straightness, .least_progress = kLeastProgress}),
+      options);
 }
 
 void finish(FlatPiece& piece, const FlatteningOptions& options) {
   if (options.parameterisation != Parameterisation::kFree || piece.chart.triangles.size() == 1) return;
   if (!straightenTeeth(piece, options))
-    takeIfValid(piece, minimiseDistortion(piece.chart, piece.plane), options);
+    takeIfValid(piece, minimiseDistortion(piece.chart, piece.plane, {.least_progress = kLeastProgress}),
+                options);
 }
 
 }  // namespace bakelight::atlas

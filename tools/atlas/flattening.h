@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tools/atlas/chart.h"
+#include "tools/atlas/guided_start.h"
 #include "tools/atlas/stretch.h"
 
 namespace bakelight::atlas {
@@ -39,14 +40,16 @@ struct FlatPiece {
 
 // Nothing if the triangles (connected, ascending) cannot be laid flat one-to-one within the limits: then they
 // have to be divided. One triangle always can. Free borders are left as soon as they are within the limits:
-// see finish().
+// see finish(). They start from the guides where all triangles have one.
 struct Flattening {
   std::optional<FlatPiece> piece;
   // By how many times the stretch above 1 exceeds the limit, where it could be told; else 0.
   double excess = 0;
+  // Of the triangles, where none was flipped (guided_start.h).
+  std::vector<Vec2> directions;
 };
 Flattening flatten(const Surface& surface, std::span<const std::uint32_t> triangles,
-                   const FlatteningOptions& options);
+                   const FlatteningOptions& options, const Guides& guides = {});
 
 // Free borders: the least distortion, with the teeth of borders drawn flat where that keeps within the
 // limits.

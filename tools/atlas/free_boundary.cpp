@@ -9,6 +9,7 @@
 
 #include "tools/atlas/distortion_energy.h"
 #include "tools/atlas/stretch.h"
+#include "tools/atlas/untangling.h"
 
 namespace bakelight::atlas {
 namespace {
@@ -30,12 +31,6 @@ std::vector<Vec2> moved(const std::vector<Vec2>& plane, const Eigen::VectorXd& d
     result[v] = plane[v] + length * Vec2(direction[static_cast<Eigen::Index>(2 * v)],
                                          direction[static_cast<Eigen::Index>(2 * v + 1)]);
   return result;
-}
-
-bool flips(const Chart& chart, const std::vector<Vec2>& plane) {
-  return std::any_of(chart.triangles.begin(), chart.triangles.end(), [&](const Triangle& t) {
-    return !(crossOf(plane[t[0]], plane[t[1]], plane[t[2]]) > 0);
-  });
 }
 
 std::optional<std::vector<Vec2>> projection(const Chart& chart) {
@@ -124,9 +119,9 @@ std::vector<Vec2> projectedAlong(const Chart& chart, const Vec3& normal) {
 
 std::optional<std::vector<Vec2>> flatStart(const Chart& chart) {
   if (!chart.isPlanar()) return std::nullopt;
-  if (auto plane = projection(chart); plane && !flips(chart, *plane)) return plane;
+  if (auto plane = projection(chart); plane && !hasFlipped(chart, *plane)) return plane;
   std::vector<Vec2> plane = conformal(chart);
-  if (flips(chart, plane)) return std::nullopt;
+  if (!untangle(chart, plane)) return std::nullopt;
   return plane;
 }
 

@@ -12,6 +12,7 @@ namespace {
 
 struct Segment {
   Vec2 begin, end;
+  BorderEdge edge;
   double low() const { return std::min(begin.x(), end.x()); }
   double high() const { return std::max(begin.x(), end.x()); }
 };
@@ -34,11 +35,15 @@ BadTriangles badTriangles(const Chart& chart, std::span<const Vec2> plane) {
   return bad;
 }
 
-bool bordersCross(const Chart& chart, std::span<const Vec2> plane) {
+std::vector<BorderCrossing> borderCrossings(const Chart& chart, std::span<const Vec2> plane,
+                                            std::size_t most) {
+  std::vector<BorderCrossing> crossings;
   std::vector<Segment> segments;
-  for (const auto& loop : chart.borders)
+  for (std::size_t l = 0; l < chart.borders.size(); ++l) {
+    const auto& loop = chart.borders[l];
     for (std::size_t i = 0; i < loop.size(); ++i)
-      segments.push_back({plane[loop[i]], plane[loop[(i + 1) % loop.size()]]});
+      segments.push_back({plane[loop[i]], plane[loop[(i + 1) % loop.size()]], {l, i}});
+  }
   // Along x, each against those whose extents in x it meets; borders are thin enough for that to be few.
   std::sort(segments.begin(), segments.end(),
             [](const Segment& a, const Segment& b) { return a.low() < b.low(); });
@@ -47,11 +52,17 @@ bool bordersCross(const Chart& chart, std::span<const Vec2> plane) {
     std::erase_if(open, [&](const Segment* other) { return other->high() < segment.low(); });
     for (const Segment* other : open)
       if (boxesMeetInY(segment, *other) &&
-          segmentsCross(segment.begin, segment.end, other->begin, other->end))
-        return true;
+          segmentsCross(segment.begin, segment.end, other->begin, other->end)) {
+        crossings.push_back({segment.edge, other->edge});
+        if (crossings.size() >= most) return crossings;
+      }
     open.push_back(&segment);
   }
-  return false;
+  return crossings;
+}
+
+bool bordersCross(const Chart& chart, std::span<const Vec2> plane) {
+  return !borderCrossings(chart, plane, 1).empty();
 }
 
 bool bordersTurnRight(const Chart& chart, std::span<const Vec2> plane) {

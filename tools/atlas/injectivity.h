@@ -15,7 +15,17 @@ struct BadTriangles {
 };
 BadTriangles badTriangles(const Chart& chart, std::span<const Vec2> plane);
 
-// Whether two edges of the chart's borders cross or overlap (segmentsCross).
+struct BorderEdge {
+  std::size_t loop, index;  // from chart.borders[loop][index] to the next
+};
+struct BorderCrossing {
+  BorderEdge a, b;
+};
+// Edges of the chart's borders that cross or overlap (segmentsCross), at most so many of them.
+std::vector<BorderCrossing> borderCrossings(const Chart& chart, std::span<const Vec2> plane,
+                                            std::size_t most);
+
+// Whether there are any.
 bool bordersCross(const Chart& chart, std::span<const Vec2> plane);
 
 // One border goes around the chart counter-clockwise, all others, if any, around holes clockwise. Borders

@@ -12,6 +12,7 @@
 #include "tools/atlas/float_rounding.h"
 #include "tools/atlas/injectivity.h"
 #include "tools/atlas/packing.h"
+#include "tools/atlas/untangling.h"
 #include "tools/stage/stopwatch.h"
 
 namespace bakelight::atlas {
@@ -64,6 +65,7 @@ class PlacedCharts {
       }
       nudged[c] = nudgeFlipped(pieces[c].chart.triangles, texcoords_[c]);
       if (isFine(pieces[c].chart, texcoords_[c])) return;
+      if (turnBack(pieces[c].chart, packing.texels_per_unit / resolution, texcoords_[c])) return;
       // One triangle cannot be divided: if nothing turns it back it collapses, which is counted.
       if (pieces[c].chart.triangles.size() == 1)
         texcoords_[c][2] = texcoords_[c][1];
@@ -84,6 +86,17 @@ class PlacedCharts {
   const std::vector<std::size_t>& spoiled() const { return spoiled_; }
 
  private:
+  // What rounding has made of narrow notches and small holes.
+  static bool turnBack(const Chart& chart, double scale, std::vector<formats::Float2>& texcoords) {
+    std::vector<Vec2> plane;
+    plane.reserve(texcoords.size());
+    for (const formats::Float2& t : texcoords) plane.push_back(Vec2(t[0], t[1]) / scale);
+    if (!untangle(chart, plane) || !uncrossBorders(chart, plane)) return false;
+    for (std::size_t v = 0; v < plane.size(); ++v)
+      texcoords[v] = {static_cast<float>(scale * plane[v].x()), static_cast<float>(scale * plane[v].y())};
+    return isFine(chart, texcoords);
+  }
+
   // Triangles too thin for floats may collapse, which covers nothing twice.
   static bool isFine(const Chart& chart, const std::vector<formats::Float2>& texcoords) {
     std::vector<Vec2> plane;

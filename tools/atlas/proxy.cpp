@@ -285,12 +285,12 @@ Proxy proxyOf(const Surface& surface, std::size_t triangles) {
   return proxy;
 }
 
-std::vector<std::int32_t> labelsFromProxy(const Surface& surface, std::span<const std::int32_t> regions,
-                                          const Proxy& proxy, std::span<const std::int32_t> labels) {
+std::vector<std::int32_t> nearestOfProxy(const Surface& surface, std::span<const std::int32_t> regions,
+                                         const Proxy& proxy) {
   std::vector<std::int32_t> result(surface.triangleCount(), -1);
   std::vector<std::uint32_t> queue = proxy.surface.source_triangles;
   queue.reserve(surface.triangleCount());
-  for (std::size_t i = 0; i < queue.size(); ++i) result[queue[i]] = labels[i];
+  for (std::size_t i = 0; i < queue.size(); ++i) result[queue[i]] = static_cast<std::int32_t>(i);
   for (std::size_t i = 0; i < queue.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::int32_t other = surface.passable(queue[i], k);

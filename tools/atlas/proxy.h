@@ -22,10 +22,9 @@ struct Proxy {
 // thread. Cost: O(n log n), some 3 µs a triangle.
 Proxy proxyOf(const Surface& surface, std::size_t triangles);
 
-// Labels for the original's triangles from one for each of the proxy's: that of the proxy's triangle which is
-// the fewest steps across edges that may be passed away within the region. A triangle that none reaches gets
-// −1.
-std::vector<std::int32_t> labelsFromProxy(const Surface& surface, std::span<const std::int32_t> regions,
-                                          const Proxy& proxy, std::span<const std::int32_t> labels);
+// For each of the original's triangles the proxy's that is the fewest steps across edges that may be passed
+// away within the region; −1 if none can be reached.
+std::vector<std::int32_t> nearestOfProxy(const Surface& surface, std::span<const std::int32_t> regions,
+                                         const Proxy& proxy);
 
 }  // namespace bakelight::atlas

@@ -61,13 +61,11 @@ TEST(Proxy, KeepsMarkedEdgesAndWhatHangsTogether) {
   EXPECT_EQ(marked, 80);  // from both sides
 }
 
-TEST(Proxy, GivesEachTriangleALabelNearby) {
+TEST(Proxy, HasATriangleNearEach) {
   const Surface surface = surfaceOf(tests::rippledBall(8000), "made.ply");
   const Proxy proxy = proxyOf(surface, 1000);
-  std::vector<std::int32_t> labels(proxy.surface.triangleCount());
-  std::iota(labels.begin(), labels.end(), 0);
   const std::vector<std::int32_t> regions(surface.triangleCount(), 0);
-  const auto all = labelsFromProxy(surface, regions, proxy, labels);
+  const auto all = nearestOfProxy(surface, regions, proxy);
   for (std::size_t t = 0; t < all.size(); ++t) {
     ASSERT_GE(all[t], 0);
     const double edge = std::sqrt(surface.area / 1000);
