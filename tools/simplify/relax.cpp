@@ -50,10 +50,13 @@ struct Corners {
 };
 
 // 0 for an equilateral triangle, infinite without area.
-double shapeCost(const Corners& t) {
+double shapeCost(const Corners& t, double twice_area) {
   const double sides2 = (t.b - t.a).squaredNorm() + (t.c - t.b).squaredNorm() + (t.a - t.c).squaredNorm();
-  const double excess = sides2 / (2 * std::numbers::sqrt3 * t.areaVector().norm()) - 1;
+  const double excess = sides2 / (2 * std::numbers::sqrt3 * twice_area) - 1;
   return excess * (1 + excess * excess);
+}
+double shapeCost(const Corners& t) {
+  return shapeCost(t, t.areaVector().norm());
 }
 
 double cosine(const Vec3& u, const Vec3& v) {
@@ -61,10 +64,29 @@ double cosine(const Vec3& u, const Vec3& v) {
   return lengths > 0 ? u.dot(v) / lengths : -1.0;
 }
 
+// A triangle for many points: barycentric weights of those above its inside come from two products.
+struct Prepared {
+  explicit Prepared(const Corners& t) : corners(t) {
+    const Vec3 ab = t.b - t.a, ac = t.c - t.a, area = ab.cross(ac);
+    const double squared = area.squaredNorm();
+    twice_area = std::sqrt(squared);
+    to_b = ac.cross(area) / squared;
+    to_c = area.cross(ab) / squared;
+    normal = squared > 0 ? Vec3(area / twice_area) : Vec3(Vec3::Zero());
+  }
+
+  Corners corners;
+  Vec3 to_b, to_c;  // gradients of the weights of b and c; not finite without area
+  Vec3 normal;      // zero without area
+  double twice_area;
+};
+
 // Triangles that an operation replaces, and the samples they hold.
 struct Patch {
   std::vector<std::uint32_t> triangles;
-  std::vector<Corners> before, after;
+  std::vector<Corners> before;
+  std::vector<Vec3> normals_before;  // of unit length or zero; for moves only
+  std::vector<Prepared> after;
   std::vector<std::uint32_t> samples;
   std::vector<std::uint32_t> start;  // of each sample, the triangle of the patch to look at first
 };
@@ -123,7 +145,14 @@ class Relaxation {
     for (const std::uint32_t s : patch.samples) cost += distanceCost(samples_.distance2(s));
     return cost;
   }
-  Foot footOn(const Corners& t, std::uint32_t triangle, const Vec3& sample) const {
+  Foot footOn(const Prepared& prepared, std::uint32_t triangle, const Vec3& sample) const {
+    const Corners& t = prepared.corners;
+    const Vec3 from_a = sample - t.a;
+    const double b = prepared.to_b.dot(from_a), c = prepared.to_c.dot(from_a);
+    if (b > 0 && c > 0 && b + c < 1) {
+      const double height = prepared.normal.dot(from_a);
+      return {triangle, {1 - b - c, b, c}, height * height};
+    }
     const Vec3 weights = closestWeights(t.a, t.b, t.c, sample);
     return {triangle, weights,
             (weights[0] * t.a + weights[1] * t.b + weights[2] * t.c - sample).squaredNorm()};
@@ -137,7 +166,7 @@ class Relaxation {
       samples_.put(patch.triangles[feet[i].triangle], patch.samples[i], feet[i].distance2);
   }
   static void clear(Patch& patch) {
-    patch.triangles.clear(), patch.before.clear(), patch.after.clear();
+    patch.triangles.clear(), patch.before.clear(), patch.normals_before.clear(), patch.after.clear();
     patch.samples.clear(), patch.start.clear();
   }
   void add(Patch& patch, std::uint32_t triangle, const Corners& corners) const {
@@ -228,7 +257,7 @@ void Relaxation::insertWhereWorst(std::size_t triangles) {
 
 double Relaxation::costOfQuadrilateral(const Patch& patch, double limit, std::vector<Foot>& feet) const {
   double cost = 0;
-  for (const Corners& t : patch.after) cost += kShapeWeight * shapeCost(t);
+  for (const Prepared& t : patch.after) cost += kShapeWeight * shapeCost(t.corners, t.twice_area);
   feet.clear();
   for (const std::uint32_t s : patch.samples) {
     if (!(cost < limit)) return cost;
@@ -262,7 +291,7 @@ std::optional<float> Relaxation::gainOfFlip(Side side, Workspace& work) const {
   clear(patch);
   add(patch, side / 3, {a, b, c});
   add(patch, other / 3, {b, a, d});
-  patch.after.assign(after.begin(), after.end());
+  for (const Corners& t : after) patch.after.emplace_back(t);
   const double before = currentCost(patch);
   const double cost = costOfQuadrilateral(patch, before, work.feet);
   if (!(cost < before * (1 - 1e-9))) return std::nullopt;
@@ -360,7 +389,7 @@ Foot Relaxation::footInRing(const Patch& patch, std::uint32_t start, const Vec3&
 
 double Relaxation::costOfRing(Patch& patch, double limit, std::vector<Foot>& feet) const {
   double cost = 0;
-  for (const Corners& t : patch.after) cost += kShapeWeight * shapeCost(t);
+  for (const Prepared& t : patch.after) cost += kShapeWeight * shapeCost(t.corners, t.twice_area);
   feet.clear();
   for (std::size_t i = 0; i < patch.samples.size(); ++i) {
     if (!(cost < limit)) return cost;
@@ -373,8 +402,8 @@ double Relaxation::costOfRing(Patch& patch, double limit, std::vector<Foot>& fee
 double Relaxation::bestLift(const Patch& patch, const std::vector<Foot>& feet, const Vec3& normal) const {
   double right = 0, left = 0;
   for (std::size_t i = 0; i < feet.size(); ++i) {
-    const Corners& t = patch.after[feet[i].triangle];
-    const Vec3 n = t.areaVector().normalized();
+    const Corners& t = patch.after[feet[i].triangle].corners;
+    const Vec3& n = patch.after[feet[i].triangle].normal;
     const Vec3 foot = feet[i].weights[0] * t.a + feet[i].weights[1] * t.b + feet[i].weights[2] * t.c;
     const double peak = feet[i].distance2 / (sigma2_ * kPeak);
     const double weight = 1 + 4 * std::min(peak * peak * peak, kMaxPeakWeight);
@@ -395,9 +424,11 @@ bool Relaxation::move(std::uint32_t vertex, Workspace& work) {
     const Corners t{start, position(mesh_.end(s)), position(mesh_.apex(s))};
     add(patch, s / 3, t);
     const Vec3 n = t.areaVector();
+    const double length = n.norm();
+    patch.normals_before.push_back(length > 0 ? Vec3(n / length) : n);
     normal += n;
-    centroid += (t.a + t.b + t.c) * (n.norm() / 3);
-    area += n.norm();
+    centroid += (t.a + t.b + t.c) * (length / 3);
+    area += length;
   });
   if (!(area > 0) || !(normal.norm() > 0)) return false;
   normal.normalize();
@@ -406,14 +437,14 @@ bool Relaxation::move(std::uint32_t vertex, Workspace& work) {
   const double before = currentCost(patch);
   double best = before * (1 - 1e-9);
   std::optional<Vec3> target;
-  patch.after = patch.before;
   const auto place = [&](const Vec3& p) {
-    for (Corners& t : patch.after) t.a = p;
+    patch.after.clear();
+    for (const Corners& t : patch.before) patch.after.emplace_back(Corners{p, t.b, t.c});
   };
   const auto allowed = [&] {
     for (std::size_t k = 0; k < patch.after.size(); ++k) {
-      const Vec3 n = patch.after[k].areaVector(), n0 = patch.before[k].areaVector();
-      if (cosine(n, n0) < kTurnCosine && cosine(n, normal) < cosine(n0, normal)) return false;
+      const Vec3 &n = patch.after[k].normal, &n0 = patch.normals_before[k];
+      if (n.dot(n0) < kTurnCosine && n.dot(normal) < n0.dot(normal)) return false;
     }
     return true;
   };
