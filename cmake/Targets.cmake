@@ -34,6 +34,17 @@ function(bakelight_library name)
   endif()
 endfunction()
 
+# bakelight_module(NAME SOURCES a.cpp ... LIBRARIES libs): a library that programs load when they need it
+# (formats/module.h). It is compiled from sources, as the libraries above are not made to be shared.
+function(bakelight_module name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  add_library(bakelight_${name} MODULE ${ARG_SOURCES})
+  target_link_libraries(bakelight_${name} PRIVATE bakelight_flags ${ARG_LIBRARIES})
+  target_link_options(bakelight_${name} PRIVATE LINKER:--no-undefined)
+  set_target_properties(bakelight_${name} PROPERTIES
+    PREFIX "" OUTPUT_NAME ${name} LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/bakelight)
+endfunction()
+
 # All executables, without tests and benchmarks: what `make pipeline` needs.
 add_custom_target(tools)
 

@@ -23,12 +23,13 @@ int hexDigit(char c) {
 
 constexpr std::int8_t kOther = -1, kBlank = -2, kPadding = -3;
 
+constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
 constexpr std::array<std::int8_t, 256> base64Table() {
   std::array<std::int8_t, 256> table{};
   table.fill(kOther);
   std::int8_t value = 0;
-  for (const char c : std::string_view("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"))
-    table[static_cast<unsigned char>(c)] = value++;
+  for (const char c : kDigits) table[static_cast<unsigned char>(c)] = value++;
   table['-'] = 62, table['_'] = 63;
   for (const char c : {' ', '\t', '\r', '\n'}) table[static_cast<unsigned char>(c)] = kBlank;
   table['='] = kPadding;
@@ -138,6 +139,20 @@ DataUri readDataUri(std::string_view uri) {
     result.bytes.assign(bytes.begin(), bytes.end());
   }
   return result;
+}
+
+std::string dataUri(std::string_view media_type, std::span<const std::byte> bytes) {
+  std::string uri = "data:";
+  uri.append(media_type).append(";base64,");
+  uri.reserve(uri.size() + 4 * (bytes.size() / 3 + 1));
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      group = group << 8 | (k < count ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0);
+    for (std::size_t k = 0; k < 4; ++k) uri += k <= count ? kDigits[group >> (18 - 6 * k) & 63] : '=';
+  }
+  return uri;
 }
 
 std::vector<fs::path> pathsOfUri(std::string_view uri) {

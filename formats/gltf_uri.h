@@ -26,6 +26,9 @@ struct DataUri {
 };
 DataUri readDataUri(std::string_view uri);
 
+// "data:image/png;base64,…".
+std::string dataUri(std::string_view media_type, std::span<const std::byte> bytes);
+
 // Where the file of a URI that is no data URI may lie, best first: URIs should be escaped, yet exporters
 // write bare names and backslashes. Relative paths are relative to the glTF file. Empty if it names no file
 // (http:…).

@@ -3,13 +3,14 @@
 #include <string_view>
 
 #include "formats/file.h"
-#include "formats/mesh_assimp.h"
 #include "formats/mesh_content.h"
 #include "formats/mesh_gltf.h"
+#include "formats/mesh_module.h"
 #include "formats/mesh_obj.h"
 #include "formats/mesh_off.h"
 #include "formats/mesh_parts.h"
 #include "formats/mesh_stl.h"
+#include "formats/module.h"
 #include "formats/named_file.h"
 #include "formats/ply_parts.h"
 #include "formats/text_scan.h"
@@ -27,7 +28,9 @@ MeshParts readParts(const std::filesystem::path& path, const std::string& ending
     return readPlyParts(bytes.last(withoutByteOrderMark(text).size()), path, filesOnDisk());
   if (ending == ".stl") return readStl(bytes, file);
   if (ending == ".off") return readOff(bytes, file);
-  return readWithAssimp(path);
+  static const auto* readers =
+      static_cast<const MeshReaders*>(moduleEntry("meshes", "bakelight_mesh_readers"));
+  return readers->read_with_assimp(path);
 }
 
 bool mayBeText(const std::string& ending) {

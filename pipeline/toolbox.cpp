@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "formats/hash.h"
+#include "formats/module.h"
 
 namespace bakelight::pipeline {
 using formats::Json;
@@ -32,6 +33,8 @@ InstalledTool Toolbox::examine(const std::string& name, const ErrorPlace& place)
     throw Error(ExitStatus::kNotAvailable, place, "there is no tool \"" + name + "\" in " + folder_.string(),
                 "", "build it, or name the folder of the tools with --tools");
   tool.hash = memo_.hashOf(tool.executable);
+  for (const std::filesystem::path& module : formats::modulesOf(folder_))
+    if (disk_.isFile(module)) tool.hash = formats::contentHash(tool.hash + memo_.hashOf(module));
 
   // Two tools may share one executable that answers by the name it is called by.
   const std::string key = name + "/" + tool.hash + "/" + processor_;

@@ -121,6 +121,19 @@ TEST(Build, RebuiltToolRunsAgain) {
   EXPECT_EQ(result.outcomes[2].reason, "tool pack was rebuilt");
 }
 
+// A tool may load it: its results are as good as the module.
+TEST(Build, RebuiltModuleRunsAllToolsAgain) {
+  Workshop workshop;
+  workshop.disk.write("lib/bakelight/pictures.so", "1");
+  workshop.run();
+  workshop.toolsStarted();
+  workshop.run();
+  EXPECT_THAT(workshop.toolsStarted(), IsEmpty());
+  workshop.disk.write("lib/bakelight/pictures.so", "2");
+  workshop.run();
+  EXPECT_EQ(workshop.toolsStarted().size(), 4u);
+}
+
 TEST(Build, EditedAndDeletedOutputsAreRestoredFromTheCache) {
   Workshop workshop;
   workshop.run();

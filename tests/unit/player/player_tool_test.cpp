@@ -57,6 +57,19 @@ TEST_F(PlayerTool, WritesAPictureAndItsFigures) {
   EXPECT_GT(stats["light_change_ms"].get<double>(), 0);
 }
 
+// A player is small: no importer, no ray tracer, and no reader of pictures of every kind.
+TEST_F(PlayerTool, LoadsFewLibraries) {
+  const std::string command =
+      "ldd '" BAKELIGHT_BIN_DIR "/player' > '" + (folder_ / "libraries.txt").string() + "'";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const std::string libraries = formats::readTextFile(folder_ / "libraries.txt");
+  for (const char* heavy : {"OpenImageIO", "assimp", "embree"})
+    EXPECT_EQ(libraries.find(heavy), std::string::npos) << heavy;
+  const auto lines = std::count(libraries.begin(), libraries.end(), '\n');
+  EXPECT_GT(lines, 5);
+  EXPECT_LE(lines, 45);
+}
+
 TEST_F(PlayerTool, ExrHoldsLinearRadianceWhateverTheExposure) {
   ASSERT_EQ(play("--pack sphere.glb --image a.exr --width 20 --height 20").status, 0);
   ASSERT_EQ(play("--pack sphere.glb --image b.exr --width 20 --height 20 --exposure-ev 4").status, 0);

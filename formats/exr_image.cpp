@@ -1,0 +1,165 @@
+#include "formats/exr_image.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfCompression.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputPart.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStdIO.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfTestFile.h>
+#include <OpenEXR/ImfThreading.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <exception>
+#include <new>
+#include <span>
+#include <string_view>
+#include <thread>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace bakelight::formats {
+namespace {
+
+// Blocks of scan lines are (de)compressed on all cores where that pays.
+constexpr std::size_t kManyValues = 1 << 20;
+
+int threadsFor(std::size_t values) {
+  if (values < kManyValues) return 0;
+  const int threads = static_cast<int>(std::thread::hardware_concurrency());
+  if (Imf::globalThreadCount() < threads) Imf::setGlobalThreadCount(threads);
+  return threads;
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c); });
+  return text;
+}
+
+// OpenImageIO's order of channels: by layer, in that these first, the rest by name as in the file. Depth
+// comes last of them: a Z beside an X or Y is none.
+std::size_t rankOf(const std::string& name, bool is_position) {
+  static constexpr std::array<std::string_view, 18> kFirst = {"r",    "red",  "g",  "green", "b",     "blue",
+                                                              "real", "imag", "a",  "alpha", "ar",    "ra",
+                                                              "ag",   "ga",   "ab", "ba",    "depth", "z"};
+  const auto found = std::find(kFirst.begin(), kFirst.end(), lower(name));
+  const auto rank = static_cast<std::size_t>(found - kFirst.begin());
+  return is_position && rank + 2 >= kFirst.size() ? kFirst.size() : rank;
+}
+
+std::vector<std::string> inOrder(const Imf::ChannelList& channels) {
+  std::vector<std::tuple<std::string, std::size_t, std::string>> keys;
+  for (auto it = channels.begin(); it != channels.end(); ++it) {
+    const std::string name = it.name();
+    const std::size_t dot = name.rfind('.');
+    const std::string layer = dot == std::string::npos ? "" : name.substr(0, dot + 1);
+    const auto has = [&](const char* axis) { return channels.findChannel(layer + axis) != nullptr; };
+    const bool is_position = has("X") || has("Y") || has("x") || has("y");
+    keys.emplace_back(layer, rankOf(name.substr(layer.size()), is_position), name);
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::string> names;
+  for (auto& [layer, rank, name] : keys) names.push_back(std::move(name));
+  return names;
+}
+
+bool isPlain(const Imf::Header& header) {
+  if (header.hasType() && Imf::isDeepData(header.type())) return false;
+  if (header.dataWindow() != header.displayWindow() || header.find("Orientation") != header.end())
+    return false;
+  const Imf::ChannelList& channels = header.channels();
+  for (auto it = channels.begin(); it != channels.end(); ++it)
+    if (it.channel().xSampling != 1 || it.channel().ySampling != 1) return false;
+  return channels.begin() != channels.end();
+}
+
+// Of the first part; nothing if there are more, or if it is not plain.
+template <class Read>
+auto readFirstPart(const std::filesystem::path& path, const Read& read)
+    -> decltype(read(std::declval<Imf::MultiPartInputFile&>())) {
+  if (!std::filesystem::is_regular_file(path) || !Imf::isOpenExrFile(path.c_str())) return {};
+  try {
+    Imf::MultiPartInputFile file(path.c_str(), threadsFor(std::filesystem::file_size(path) / 2));
+    if (file.parts() != 1 || !isPlain(file.header(0))) return {};
+    return read(file);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
+}  // namespace
+
+std::optional<Image> readPlainExr(const std::filesystem::path& path) {
+  return readFirstPart(path, [](Imf::MultiPartInputFile& file) -> std::optional<Image> {
+    Imf::InputPart part(file, 0);
+    const Imath::Box2i window = part.header().dataWindow();
+    Image image(window.max.x - window.min.x + 1, window.max.y - window.min.y + 1,
+                inOrder(part.header().channels()));
+    const std::size_t channels = image.channelCount(), row = channels * static_cast<std::size_t>(image.width);
+    Imf::FrameBuffer frame;
+    for (std::size_t c = 0; c < channels; ++c)
+      frame.insert(image.channel_names[c], Imf::Slice::Make(Imf::FLOAT, image.values.data() + c, window,
+                                                            channels * sizeof(float), row * sizeof(float)));
+    part.setFrameBuffer(frame);
+    part.readPixels(window.min.y, window.max.y);
+    return image;
+  });
+}
+
+std::optional<std::map<std::string, std::string>> plainExrMetadata(const std::filesystem::path& path) {
+  using Metadata = std::map<std::string, std::string>;
+  return readFirstPart(path, [](Imf::MultiPartInputFile& file) -> std::optional<Metadata> {
+    Metadata metadata;
+    const Imf::Header& header = file.header(0);
+    for (auto it = header.begin(); it != header.end(); ++it) {
+      const auto* text = dynamic_cast<const Imf::StringAttribute*>(&it.attribute());
+      if (text == nullptr || std::string_view(it.name()) == "type" || std::string_view(it.name()) == "name")
+        continue;
+      if (std::string_view(it.name()).find(':') == std::string_view::npos) return std::nullopt;
+      metadata.emplace(it.name(), text->value());
+    }
+    return metadata;
+  });
+}
+
+Bytes encodedExr(const Image& image, ExrPrecision precision,
+                 const std::map<std::string, std::string>& metadata) {
+  const Imf::PixelType type = precision == ExrPrecision::kHalf ? Imf::HALF : Imf::FLOAT;
+  Imf::Header header(image.width, image.height);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  for (const std::string& name : image.channel_names) header.channels().insert(name, Imf::Channel(type));
+  for (const auto& [key, value] : metadata)
+    if (!value.empty()) header.insert(key, Imf::StringAttribute(value));
+  const std::size_t channels = image.channelCount();
+  std::vector<half> halves;
+  if (precision == ExrPrecision::kHalf) halves.assign(image.values.begin(), image.values.end());
+  const std::size_t size = precision == ExrPrecision::kHalf ? sizeof(half) : sizeof(float);
+  auto* first = precision == ExrPrecision::kHalf
+                    ? reinterpret_cast<char*>(halves.data())
+                    : reinterpret_cast<char*>(const_cast<float*>(image.values.data()));
+  Imf::FrameBuffer frame;
+  for (std::size_t c = 0; c < channels; ++c)
+    frame.insert(image.channel_names[c], Imf::Slice(type, first + c * size, channels * size,
+                                                    channels * size * static_cast<std::size_t>(image.width)));
+  Imf::StdOSStream stream;
+  {
+    Imf::OutputFile file(stream, header, threadsFor(image.values.size()));
+    file.setFrameBuffer(frame);
+    file.writePixels(image.height);
+  }
+  const std::string text = stream.str();
+  const auto bytes = std::as_bytes(std::span(text.data(), text.size()));
+  return Bytes(bytes.begin(), bytes.end());
+}
+
+}  // namespace bakelight::formats

@@ -1,0 +1,9 @@
+#include "formats/oiio_image.h"
+#include "formats/picture_module.h"
+
+extern "C" const void* bakelight_picture_readers() {
+  namespace oiio = bakelight::formats::oiio;
+  static constexpr bakelight::formats::PictureReaders kReaders = {
+      oiio::readImage, oiio::readImage, oiio::readImageMetadata, oiio::readColorPicture};
+  return &kReaders;
+}
