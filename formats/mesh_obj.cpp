@@ -41,9 +41,9 @@ class ObjAssembler {
 
   // Which vertices faces name: they must be finite, and the others are left out.
   //
-  // A cut inside the last number leaves a well-formed line. Such a file lacks its last line end, and, as
-  // faces are missing, has vertices that none uses; a whole file with both is rare enough to ask for its line
-  // end.
+  // A cut inside the last number leaves a well-formed line. Such a file lacks its last line end, and, as the
+  // last faces are missing, has vertices that none uses: the last ones, as faces mostly name vertices in
+  // their order. A whole file with both is rare enough to ask for its line end.
   void checkUse() {
     std::vector<bool> used(obj_.positions.size());
     std::size_t unused = obj_.positions.size();
@@ -64,13 +64,17 @@ class ObjAssembler {
                      "a mesh with at least one face", "export it again as a surface of polygons");
     const std::string unused_text = std::to_string(unused) + " of " + std::to_string(obj_.positions.size()) +
                                     " vertices belong to no face";
-    if (unused > 0 && obj_.ends_inside_line)
+    std::size_t unused_last = 0;
+    while (unused_last < used.size() && !used[used.size() - 1 - unused_last]) ++unused_last;
+    if (unused_last > 0 && 2 * unused_last >= unused && obj_.ends_inside_line)
       throw badInput({file_, "line " + std::to_string(obj_.line_count), ""},
                      "the file ends inside a line, and " + unused_text, "a line end at the end",
                      "copy or export the file again, it was probably cut short; if it is whole, add the "
                      "line end");
-    if (unused > 0) note(unused_text + ", and were left out: was the file cut short?");
-    if (unused == 0 && obj_.ends_inside_line) note("the last line has no line end: was the file cut short?");
+    if (unused > 0)
+      note(unused_text + ", and were left out: was the file cut short?");
+    else if (obj_.ends_inside_line)
+      note("the last line has no line end: was the file cut short?");
   }
 
   void readColors() {

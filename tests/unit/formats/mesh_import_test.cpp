@@ -105,6 +105,11 @@ TEST_F(MeshImportTest, LegalOddObjsAreRead) {
             1U);
   EXPECT_THAT(import("a.obj", kTriangleObj.substr(0, kTriangleObj.size() - 1)).notes,
               testing::ElementsAre(HasSubstr("no line end")));
+  // As scans have them: had the file been cut, vertices would be missing at the end.
+  std::string whole = "v 5 5 5\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 4";
+  EXPECT_THAT(import("a.obj", whole).notes, testing::ElementsAre(HasSubstr("1 of 4 vertices")));
+  whole = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3";
+  EXPECT_THAT(errorOf("a.obj", whole), HasSubstr("ends inside a line"));
 }
 
 TEST_F(MeshImportTest, NotFiniteCoordinatesNameTheVertex) {
