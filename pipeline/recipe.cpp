@@ -137,6 +137,27 @@ void checkWires(const Recipe& recipe, Problems& problems) {
     });
 }
 
+// RFC 7396 with lists that grow: `own` over `base`; null takes a key away, "name+" appends to the list
+// "name".
+Json merged(Json base, const Json& own, const std::string& file, const std::string& pointer) {
+  if (!own.is_object()) return own;
+  if (!base.is_object()) base = Json::object();
+  for (const auto& [key, value] : own.items()) {
+    const std::string place = pointer + "/" + key;
+    if (key.ends_with('+')) {
+      const auto list = base.find(key.substr(0, key.size() - 1));
+      if (list == base.end() || !list->is_array() || !value.is_array())
+        throw badInput({file, "", place}, "it appends to no list", "a list, and one to append it to");
+      list->insert(list->end(), value.begin(), value.end());
+    } else if (value.is_null()) {
+      base.erase(key);
+    } else {
+      base[key] = merged(base.contains(key) ? base[key] : Json(), value, file, place);
+    }
+  }
+  return base;
+}
+
 }  // namespace
 
 std::set<std::string> RecipeStage::makers() const {
@@ -225,12 +246,31 @@ std::string expand(const std::string& text, const std::string& asset, const Erro
 const Recipe& RecipeBook::require(const std::string& name, const ErrorPlace& place) {
   const auto known = read_.find(name);
   if (known != read_.end()) return known->second;
-  const std::filesystem::path path = folder_ / (name + ".json");
+  return read_.emplace(name, parseRecipe(whole(name, place, {}), name, fileOf(name).string())).first->second;
+}
+
+std::filesystem::path RecipeBook::fileOf(const std::string& name) const {
+  return folder_ / (name + ".json");
+}
+
+Json RecipeBook::whole(const std::string& name, const ErrorPlace& place,
+                       std::vector<std::string> extending) const {
+  const std::filesystem::path path = fileOf(name);
   if (!disk_.isFile(path))
     throw badInput(place, "there is no recipe \"" + name + "\" in " + folder_.string(),
                    "one of: " + join(names(), ", "), suggestion(name, names()));
-  const Json json = formats::parseJson(disk_.read(path), path.string());
-  return read_.emplace(name, parseRecipe(json, name, path.string())).first->second;
+  Json own = formats::parseJson(disk_.read(path), path.string());
+  if (!own.is_object() || !own.contains("extends")) return own;
+  const ErrorPlace extends{path.string(), "", "/extends"};
+  if (!own["extends"].is_string())
+    throw badInput(extends, "is no text", "the name of the recipe that it builds on");
+  const auto base = own["extends"].get<std::string>();
+  extending.push_back(name);
+  if (std::find(extending.begin(), extending.end(), base) != extending.end())
+    throw badInput(extends, "recipes build on each other in a circle: " + join(extending, ", ") + ", " + base,
+                   "one that builds on none");
+  own.erase("extends");
+  return merged(whole(base, extends, std::move(extending)), own, path.string(), "");
 }
 
 std::vector<std::string> RecipeBook::names() const {

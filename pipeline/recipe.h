@@ -87,12 +87,18 @@ class RecipeBook {
 
   RecipeBook(std::filesystem::path folder, const Disk& disk) : folder_(std::move(folder)), disk_(disk) {}
 
-  // Throws Error(kBadInput) at `place` (where the name was given) if there is no such recipe; and as
-  // parseRecipe.
+  // With what the recipe builds on ("extends"): its own keys over those, objects key by key; null takes a key
+  // away, and "name+" appends to the list "name". Throws Error(kBadInput) at `place` (where the name was
+  // given) if there is no such recipe, where recipes build on each other in a circle, where a list that is to
+  // be appended to is none; and as parseRecipe.
   const Recipe& require(const std::string& name, const ErrorPlace& place);
   std::vector<std::string> names() const;
 
  private:
+  std::filesystem::path fileOf(const std::string& name) const;
+  formats::Json whole(const std::string& name, const ErrorPlace& place,
+                      std::vector<std::string> extending) const;
+
   std::filesystem::path folder_;
   const Disk& disk_;
   std::map<std::string, Recipe> read_;

@@ -45,6 +45,71 @@ TEST(Recipe, CycleNamesItsStages) {
               HasSubstr("test.json, at /stages: the stages a, b wait for each other"));
 }
 
+class ExtendedRecipe : public testing::Test {
+ protected:
+  ExtendedRecipe() {
+    write("base", {{"summary", "all of it"},
+                   {"asset", {{"mesh", {{"kind", "mesh"}, {"endings", {".obj"}}}}}},
+                   {"stages",
+                    {{"a",
+                      {{"inputs", {{"i", "asset.mesh"}}},
+                       {"outputs", {{"o", "a"}}},
+                       {"parameters", {{"p", 1}, {"q", 2}}}}},
+                     {"b", {{"inputs", {{"i", "a.o"}}}, {"outputs", {{"o", "b"}}}}}}},
+                   {"deliver", {{"a", "a.o"}, {"b", "b.o"}}},
+                   {"report", {{"vary", {"a.p=1..2"}}, {"pack", "a.o"}}}});
+  }
+  void write(const std::string& name, const Json& json) {
+    disk_.write("recipes/" + name + ".json", json.dump());
+  }
+  const Recipe& read(const std::string& name) { return book_.require(name, {"asset.json", "", "/recipe"}); }
+  std::string problemOf(const std::string& name) {
+    try {
+      read(name);
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  FakeDisk disk_;
+  RecipeBook book_{"recipes", disk_};
+};
+
+TEST_F(ExtendedRecipe, SaysOnlyWhatItAddsChangesAndTakesAway) {
+  write("more", {{"extends", "base"},
+                 {"stages",
+                  {{"a", {{"parameters", {{"q", 3}, {"r", {{"same_as", "a.p"}}}}}}},
+                   {"b", nullptr},
+                   {"c", {{"inputs", {{"i", "a.o"}}}, {"outputs", {{"o", "c"}}}}}}},
+                 {"deliver", {{"b", nullptr}, {"c", "c.o"}}},
+                 {"report", {{"vary+", {"a.q=1,2"}}}}});
+  const Recipe& more = read("more");
+  EXPECT_EQ(more.name, "more");
+  EXPECT_EQ(more.summary, "all of it");
+  EXPECT_THAT(more.stageNames(), ElementsAre("a", "c"));
+  EXPECT_THAT(more.deliverableNames(), ElementsAre("a", "c"));
+  EXPECT_EQ(more.stages.at("a").parameters, Json({{"p", 1}, {"q", 3}}));
+  EXPECT_EQ(more.stages.at("a").linked.at("r").text(), "a.p");
+  EXPECT_EQ(more.report, Json({{"vary", {"a.p=1..2", "a.q=1,2"}}, {"pack", "a.o"}}));
+  write("most", {{"extends", "more"}, {"summary", "more still"}});
+  EXPECT_EQ(read("most").summary, "more still");
+  EXPECT_THAT(read("most").stageNames(), ElementsAre("a", "c"));
+  EXPECT_THAT(read("base").stageNames(), ElementsAre("a", "b"));
+}
+
+TEST_F(ExtendedRecipe, NamesWhatIsWrong) {
+  write("lost", {{"extends", "bass"}});
+  EXPECT_THAT(problemOf("lost"), AllOf(HasSubstr("lost.json, at /extends"), HasSubstr("base")));
+  write("one", {{"extends", "two"}});
+  write("two", {{"extends", "one"}});
+  EXPECT_THAT(problemOf("one"), AllOf(HasSubstr("two.json, at /extends"), HasSubstr("one, two, one")));
+  write("appending", {{"extends", "base"}, {"report", {{"pack+", {"b.o"}}}}});
+  EXPECT_THAT(problemOf("appending"), HasSubstr("appending.json, at /report/pack+"));
+  write("number", {{"extends", 3}});
+  EXPECT_THAT(problemOf("number"), HasSubstr("/extends"));
+}
+
 TEST(Recipe, WireToNothingSuggestsTheNearest) {
   EXPECT_THAT(
       problemsOf(
