@@ -65,14 +65,27 @@ void noteUnitOfFbx(const aiMetadata& metadata, std::vector<std::string>& notes) 
   }
 }
 
+double scaleOf(const aiMatrix4x4& m) {
+  return std::sqrt(double{m.a1} * m.a1 + double{m.b1} * m.b1 + double{m.c1} * m.c1);
+}
+
 // assimp turns and scales COLLADA by the root node: what it did is read back from there.
 void noteRootOfCollada(const aiScene& scene, std::vector<std::string>& notes) {
   const aiMatrix4x4& m = scene.mRootNode->mTransformation;
-  const double unit = std::sqrt(double{m.a1} * m.a1 + double{m.b1} * m.b1 + double{m.c1} * m.c1);
+  const double unit = scaleOf(m);
   if (m.b3 > 0) notes.emplace_back("the file has +Z up: turned to +Y up");
   if (m.b1 > 0) notes.emplace_back("the file has +X up: turned to +Y up");
   if (std::abs(unit - 1) > 1e-6) {
     notes.push_back("lengths are in metres: the file's unit has " + numberText(unit));
+  }
+}
+
+// So, too, with 3DS: (x, y, z) becomes (x, z, −y), divided by the master scale.
+void noteRootOf3ds(const aiScene& scene, std::vector<std::string>& notes) {
+  notes.emplace_back("3DS files have +Z up: turned to +Y up");
+  const double scale = scaleOf(scene.mRootNode->mTransformation);
+  if (std::abs(scale - 1) > 1e-6) {
+    notes.push_back("lengths are multiplied by " + numberText(scale) + ", as the file has a master scale");
   }
 }
 
@@ -84,8 +97,7 @@ Transform uprightFromScene(const aiScene& scene, const std::string& ending, std:
     return uprightFromFbx(*scene.mMetaData, notes);
   }
   if (ending == ".dae") noteRootOfCollada(scene, notes);
-  // By the root node's transform, too: (x, y, z) becomes (x, z, −y).
-  if (ending == ".3ds") notes.emplace_back("3DS files have +Z up: turned to +Y up");
+  if (ending == ".3ds") noteRootOf3ds(scene, notes);
   return {};
 }
 

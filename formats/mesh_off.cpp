@@ -92,6 +92,29 @@ void makeLinear(std::vector<Float3>& colors, bool integers, const char* whose,
   }
 }
 
+// Adds faces to a mesh, but for those of too few corners.
+class FaceFilter {
+ public:
+  void add(const std::vector<std::uint32_t>& corners, const Float3& color, PolygonMesh& mesh) {
+    if (corners.size() < 3) {
+      ++left_out_;
+      return;
+    }
+    mesh.corner_counts.push_back(static_cast<std::uint32_t>(corners.size()));
+    mesh.corners.insert(mesh.corners.end(), corners.begin(), corners.end());
+    mesh.face_colors.push_back(color);
+  }
+
+  void addNote(std::vector<std::string>& notes) const {
+    if (left_out_ > 0)
+      notes.push_back(counted(left_out_, "face has fewer than 3 corners, and was left out",
+                              "faces have fewer than 3 corners, and were left out"));
+  }
+
+ private:
+  std::size_t left_out_ = 0;
+};
+
 class TextOff {
  public:
   TextOff(std::string_view text, std::string file)
@@ -298,13 +321,7 @@ class TextOff {
       face_.push_back(vertexFrom(word, index));
     }
     const Float3 color = flowing_ ? kNoColor : readFaceColor(index);
-    if (face_.size() < 3) {
-      ++short_faces_;
-      return;
-    }
-    mesh_.corner_counts.push_back(static_cast<std::uint32_t>(face_.size()));
-    mesh_.corners.insert(mesh_.corners.end(), face_.begin(), face_.end());
-    mesh_.face_colors.push_back(color);
+    faces_.add(face_, color, mesh_);
   }
 
   std::uint32_t vertexFrom(std::string_view word, std::uint64_t face) const {
@@ -348,11 +365,10 @@ class TextOff {
 
   MeshParts finish() {
     checkFinite();
+    faces_.addNote(result_.notes);
     const auto noteCount = [&](std::size_t count, const char* one, const char* several) {
       if (count > 0) note(counted(count, one, several));
     };
-    noteCount(short_faces_, "face has fewer than 3 corners, and was left out",
-              "faces have fewer than 3 corners, and were left out");
     noteCount(mapped_faces_, "colour of a face was left out: it is the index of a colour map",
               "colours of faces were left out: they are indices of a colour map");
     noteCount(strange_faces_, "face has numbers behind its corners that are no colour; they were not read",
@@ -384,7 +400,8 @@ class TextOff {
   std::vector<std::uint32_t> face_;
   std::vector<std::array<std::uint64_t, 2>> not_finite_;  // vertex, line
   bool integer_vertex_colors_ = true, integer_face_colors_ = true;
-  std::size_t short_faces_ = 0, mapped_faces_ = 0, strange_faces_ = 0, strange_vertices_ = 0;
+  FaceFilter faces_;
+  std::size_t mapped_faces_ = 0, strange_faces_ = 0, strange_vertices_ = 0;
   PolygonMesh mesh_;
   MeshParts result_;
 };
@@ -408,9 +425,7 @@ class BinaryOff {
     for (std::uint64_t i = 0; i < vertex_count_; ++i) readVertex(i);
     for (std::int64_t i = 0; i < faces; ++i) readFace(static_cast<std::uint64_t>(i));
     MeshParts result;
-    if (short_faces_ > 0)
-      result.notes.push_back(counted(short_faces_, "face has fewer than 3 corners, and was left out",
-                                     "faces have fewer than 3 corners, and were left out"));
+    faces_.addNote(result.notes);
     if (!bytes_.empty())
       result.notes.push_back(counted(bytes_.size(), "byte follows", "bytes follow") +
                              " the last face, and were not read");
@@ -476,13 +491,7 @@ class BinaryOff {
       const float value = take<float>();
       if (c < 3 && color_count >= 3) color[static_cast<std::size_t>(c)] = value;
     }
-    if (face_.size() < 3) {
-      ++short_faces_;
-      return;
-    }
-    mesh_.corner_counts.push_back(static_cast<std::uint32_t>(face_.size()));
-    mesh_.corners.insert(mesh_.corners.end(), face_.begin(), face_.end());
-    mesh_.face_colors.push_back(color);
+    faces_.add(face_, color, mesh_);
   }
 
   std::span<const std::byte> bytes_;
@@ -490,7 +499,7 @@ class BinaryOff {
   std::string file_, place_;
   std::uint64_t vertex_count_ = 0;
   std::vector<std::uint32_t> face_;
-  std::size_t short_faces_ = 0;
+  FaceFilter faces_;
   PolygonMesh mesh_;
 };
 

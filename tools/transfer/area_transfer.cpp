@@ -1,10 +1,14 @@
 #include "tools/transfer/area_transfer.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 
 namespace bakelight::transfer {
 
 namespace {
+
+constexpr int kSamplesPerArea = 16;
 
 // Rows of several points, for their mean.
 class RowSum {
@@ -61,6 +65,41 @@ AreaTransfer traceArea(const ShadowPass& pass, std::span<const SurfacePoint> poi
   area.visibility = visibility.mean(count);
   area.seen = meanOf(std::move(seen), count);
   return area;
+}
+
+Resampling resampleOutliers(const formats::TriangleMesh& mesh, const ShadowPass& pass,
+                            std::span<const formats::Triangle> sides_from_behind,
+                            std::span<const std::uint8_t> buried, float offset, double share,
+                            const TransferRows& rows, std::span<PointFigures> figures,
+                            const LocalWorkspace& workspace) {
+  const IncidentTriangles incident(mesh);
+  const OutlierJudge judge(mesh, incident, rows.vectors, rows.sizes.vector, buried);
+  std::vector<std::uint32_t> outliers = judge.outliers();
+  Resampling result{outliers.size(), {}};
+  const auto most =
+      static_cast<std::size_t>(share / kSamplesPerArea * static_cast<double>(mesh.vertexCount()));
+  outliers.resize(std::min(outliers.size(), most));
+
+  std::vector<AreaTransfer> areas(outliers.size());
+  tbb::parallel_for(std::size_t{0}, outliers.size(), [&](std::size_t i) {
+    areas[i] = traceArea(pass, hatSamples(mesh, incident, outliers[i], offset, kSamplesPerArea),
+                         sides_from_behind, rows.sizes, workspace());
+  });
+  // All are judged by what the points say, before any is replaced.
+  for (std::size_t i = 0; i < outliers.size(); ++i) {
+    const std::uint32_t v = outliers[i];
+    if (!areas[i].points.empty() && judge.standsAlone(v, areas[i].vectors) &&
+        judge.score(v, areas[i].vector) < judge.score(v, rows.of(v).vector))
+      result.replaced.emplace(v, std::move(areas[i]));
+  }
+  for (auto& [v, area] : result.replaced) {
+    const PointTransfer row = rows.of(v);
+    std::copy(area.vector.begin(), area.vector.end(), row.vector.begin());
+    std::copy(area.near_vector.begin(), area.near_vector.end(), row.near_vector.begin());
+    std::copy(area.visibility.begin(), area.visibility.end(), row.visibility.begin());
+    figures[v].seen = std::move(area.seen);
+  }
+  return result;
 }
 
 }  // namespace bakelight::transfer

@@ -2,6 +2,7 @@
 // (outliers.h).
 #pragma once
 
+#include <functional>
 #include <map>
 #include <span>
 #include <vector>
@@ -32,5 +33,35 @@ AreaTransfer traceArea(const ShadowPass& pass, std::span<const SurfacePoint> poi
 
 // By vertex.
 using AreaTransfers = std::map<std::uint32_t, AreaTransfer>;
+
+// The calling thread's.
+using LocalWorkspace = std::function<ShadowPass::Workspace&()>;
+
+// Tables with a row a point; those whose rows have no length are empty.
+struct TransferRows {
+  std::span<float> vectors, near_vectors, visibility;
+  RowSizes sizes;
+
+  PointTransfer of(std::size_t point) const {
+    return {vectors.subspan(point * sizes.vector, sizes.vector),
+            near_vectors.subspan(point * sizes.near_vector, sizes.near_vector),
+            visibility.subspan(point * sizes.visibility, sizes.visibility)};
+  }
+};
+
+struct Resampling {
+  std::size_t outlying = 0;  // vertices that stand out from their neighbours
+  AreaTransfers replaced;    // those of them that stand out from their own area, too
+};
+
+// Puts the mean over their area in place of the rows, and of what `figures` say is seen, of vertices that
+// stand out by point sampling alone. `rows` and `figures` are those of the vertices, and of one channel;
+// `buried` has 1 for a vertex that is left out. Areas are `offset` off the surface, and take at most `share`
+// of the rays that the vertices took; the worst outliers go first.
+Resampling resampleOutliers(const formats::TriangleMesh& mesh, const ShadowPass& pass,
+                            std::span<const formats::Triangle> sides_from_behind,
+                            std::span<const std::uint8_t> buried, float offset, double share,
+                            const TransferRows& rows, std::span<PointFigures> figures,
+                            const LocalWorkspace& workspace);
 
 }  // namespace bakelight::transfer

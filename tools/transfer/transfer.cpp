@@ -32,7 +32,6 @@ using transport::vec3;
 namespace {
 
 constexpr std::size_t kPointsPerTask = 64;
-constexpr int kSamplesPerArea = 16;
 using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) {
@@ -120,8 +119,12 @@ class Baker {
                       });
   }
 
-  static std::span<float> rowOf(std::vector<float>& table, std::size_t point, std::size_t size) {
-    return table.empty() ? std::span<float>() : std::span(table).subspan(point * size, size);
+  // With vectors of this size.
+  TransferRows rowsOf(std::size_t vector_size) {
+    return {result_.vectors,
+            result_.near_vectors,
+            result_.visibility,
+            {vector_size, sphere() ? coefficients_ : 0, visibilitySize()}};
   }
 
   // Traces points_ from `first` on; grows the tables to hold them, with rows of `vector_size` in
@@ -132,11 +135,9 @@ class Baker {
     if (sphere()) result_.near_vectors.resize(points_.size() * coefficients_);
     result_.visibility.resize(points_.size() * visibilitySize());
     figures_.resize(points_.size());
+    const TransferRows rows = rowsOf(vector_size);
     forPoints(workspaces, first, [&](std::size_t p, ShadowPass::Workspace& work) {
-      const PointTransfer transfer = {rowOf(result_.vectors, p, vector_size),
-                                      rowOf(result_.near_vectors, p, coefficients_),
-                                      rowOf(result_.visibility, p, visibilitySize())};
-      figures_[p] = pass.trace(points_[p], sides_from_behind_, transfer, work);
+      figures_[p] = pass.trace(points_[p], sides_from_behind_, rows.of(p), work);
     });
   }
 
@@ -153,7 +154,12 @@ class Baker {
       result_.fully_blocked_vertices += point.rays > 0 && point.blocked == point.rays ? 1 : 0;
       result_.quadrature_error = std::max<double>(result_.quadrature_error, point.quadrature_error);
     }
-    resampleOutliers(pass, workspaces, buried);
+    Resampling resampling = resampleOutliers(
+        mesh_, pass, sides_from_behind_, buried, surfaceOffset(mesh_, options_.bias), kResamplingShare,
+        rowsOf(judgedSize()), figures_, [&]() -> ShadowPass::Workspace& { return workspaces.local(); });
+    result_.outlying_vertices = resampling.outlying;
+    result_.resampled_vertices = resampling.replaced.size();
+    areas_ = std::move(resampling.replaced);
     dropJudgedBands();
     fill_ = BuriedFill(mesh_, buried);
     result_.filled_vertices = fill_.filledVertices();
@@ -169,41 +175,6 @@ class Baker {
     for (std::size_t v = 1; v < vertex_count_; ++v)
       std::copy_n(&result_.vectors[v * size], coefficients_, &result_.vectors[v * coefficients_]);
     result_.vectors.resize(vertex_count_ * coefficients_);
-  }
-
-  void resampleOutliers(const ShadowPass& pass, Workspaces& workspaces,
-                        std::span<const std::uint8_t> buried) {
-    const IncidentTriangles incident(mesh_);
-    const OutlierJudge judge(mesh_, incident, result_.vectors, judgedSize(), buried);
-    std::vector<std::uint32_t> outliers = judge.outliers();
-    result_.outlying_vertices = outliers.size();
-    const auto most =
-        static_cast<std::size_t>(kResamplingShare / kSamplesPerArea * static_cast<double>(vertex_count_));
-    outliers.resize(std::min(outliers.size(), most));
-
-    const float offset = surfaceOffset(mesh_, options_.bias);
-    const RowSizes sizes = {judgedSize(), sphere() ? coefficients_ : 0, visibilitySize()};
-    std::vector<AreaTransfer> areas(outliers.size());
-    tbb::parallel_for(std::size_t{0}, outliers.size(), [&](std::size_t i) {
-      areas[i] = traceArea(pass, hatSamples(mesh_, incident, outliers[i], offset, kSamplesPerArea),
-                           sides_from_behind_, sizes, workspaces.local());
-    });
-    // All are judged by what the points say, before any is replaced.
-    for (std::size_t i = 0; i < outliers.size(); ++i) {
-      const std::uint32_t v = outliers[i];
-      if (!areas[i].points.empty() && judge.standsAlone(v, areas[i].vectors) &&
-          judge.score(v, areas[i].vector) < judge.score(v, rowOf(result_.vectors, v, sizes.vector)))
-        areas_.emplace(v, std::move(areas[i]));
-    }
-    for (auto& [v, area] : areas_) {
-      std::copy(area.vector.begin(), area.vector.end(), rowOf(result_.vectors, v, sizes.vector).begin());
-      std::copy(area.near_vector.begin(), area.near_vector.end(),
-                rowOf(result_.near_vectors, v, sizes.near_vector).begin());
-      std::copy(area.visibility.begin(), area.visibility.end(),
-                rowOf(result_.visibility, v, sizes.visibility).begin());
-      figures_[v].seen = std::move(area.seen);
-    }
-    result_.resampled_vertices = areas_.size();
   }
 
   // Traces the back sides that are seen, and those that these see, until no new one turns up.

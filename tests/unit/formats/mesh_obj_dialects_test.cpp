@@ -4,10 +4,8 @@
 
 #include <functional>
 
-#include "formats/error.h"
-#include "formats/mesh_import.h"
 #include "tests/unit/formats/bracket.h"
-#include "tests/unit/formats/test_meshes.h"
+#include "tests/unit/formats/dialects.h"
 
 namespace bakelight::formats {
 namespace {
@@ -18,33 +16,14 @@ using testing::Each;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-class ObjDialects : public testing::Test {
+class ObjDialects : public DialectTest {
  protected:
-  MeshImport import(const std::string& text, const std::string& name = "a.obj") const {
-    writeQuickly(folder_ / name, text);
-    return importMesh(folder_ / name);
-  }
-  std::string errorOf(const std::string& text) const {
-    try {
-      import(text);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "no error";
-  }
-  void write(const std::string& name, const std::string& text) const { writeQuickly(folder_ / name, text); }
-
-  ScratchFolder folder_;
+  ObjDialects() : DialectTest(".obj") {}
 };
-
-std::string numberText(float value) {
-  return std::to_string(static_cast<int>(value));
-}
 
 std::string verticesOf(const TriangleMesh& mesh, const std::string& suffix = "") {
   std::string text;
-  for (const Float3& p : mesh.positions)
-    text += "v " + numberText(p[0]) + " " + numberText(p[1]) + " " + numberText(p[2]) + suffix + "\n";
+  for (const Float3& p : mesh.positions) text += "v " + integersText(p) + suffix + "\n";
   return text;
 }
 
@@ -61,12 +40,6 @@ std::string plainCorner(std::uint32_t number) {
 
 std::string bracketObj() {
   return verticesOf(bracket()) + facesOf(bracket(), plainCorner);
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
-    text.replace(at, from.size(), to);
-  return text;
 }
 
 std::string utf16(const std::string& text, bool big_endian) {

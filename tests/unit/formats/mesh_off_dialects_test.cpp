@@ -6,10 +6,8 @@
 #include <cstring>
 #include <functional>
 
-#include "formats/error.h"
-#include "formats/mesh_import.h"
 #include "tests/unit/formats/bracket.h"
-#include "tests/unit/formats/test_meshes.h"
+#include "tests/unit/formats/dialects.h"
 
 namespace bakelight::formats {
 namespace {
@@ -20,37 +18,14 @@ using testing::Each;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-class OffDialects : public testing::Test {
+class OffDialects : public DialectTest {
  protected:
-  MeshImport import(const std::string& text) const {
-    writeQuickly(folder_ / "a.off", text);
-    return importMesh(folder_ / "a.off");
-  }
-  std::string errorOf(const std::string& text) const {
-    try {
-      import(text);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "no error";
-  }
-
-  ScratchFolder folder_;
+  OffDialects() : DialectTest(".off") {}
 };
-
-std::string digitOf(float value) {
-  return std::to_string(static_cast<int>(value));
-}
 
 std::string verticesWith(const std::string& rest) {
   std::string text;
-  for (const Float3& p : bracket().positions)
-    text.append(digitOf(p[0]))
-        .append(" ")
-        .append(digitOf(p[1]))
-        .append(" ")
-        .append(digitOf(p[2]))
-        .append(rest + "\n");
+  for (const Float3& p : bracket().positions) text += integersText(p) + rest + "\n";
   return text;
 }
 
@@ -65,12 +40,6 @@ std::string facesWith(const std::string& rest) {
 std::string bracketOff(const std::string& header = "OFF\n12 20 30\n", const std::string& vertex = "",
                        const std::string& face = "") {
   return header + verticesWith(vertex) + facesWith(face);
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
-    text.replace(at, from.size(), to);
-  return text;
 }
 
 TEST_F(OffDialects, LayoutChangesNothing) {

@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "formats/error.h"
-#include "formats/mesh_import.h"
 #include "tests/unit/formats/bracket.h"
-#include "tests/unit/formats/test_meshes.h"
+#include "tests/unit/formats/dialects.h"
 
 namespace bakelight::formats {
 namespace {
@@ -99,20 +97,9 @@ std::string bracketPly(Encoding encoding, const Dialect& d = {}) {
   return ply.text();
 }
 
-class PlyDialects : public testing::Test {
+class PlyDialects : public DialectTest {
  protected:
-  MeshImport import(const std::string& text) const {
-    writeQuickly(folder_ / "a.ply", text);
-    return importMesh(folder_ / "a.ply");
-  }
-  std::string errorOf(const std::string& text) const {
-    try {
-      import(text);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "no error";
-  }
+  PlyDialects() : DialectTest(".ply") {}
   void expectOrderKept(const std::string& text, const std::string& what) const {
     const MeshImport read = import(text);
     expectBracket(read.mesh, what);
@@ -120,8 +107,6 @@ class PlyDialects : public testing::Test {
     EXPECT_EQ(read.mesh.triangles, bracket().triangles) << what;
     EXPECT_THAT(read.notes, IsEmpty()) << what;
   }
-
-  ScratchFolder folder_;
 };
 
 TEST_F(PlyDialects, AllTypesInAllEncodings) {

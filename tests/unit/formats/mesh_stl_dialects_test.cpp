@@ -7,10 +7,8 @@
 #include <cstring>
 #include <limits>
 
-#include "formats/error.h"
-#include "formats/mesh_import.h"
 #include "tests/unit/formats/bracket.h"
-#include "tests/unit/formats/test_meshes.h"
+#include "tests/unit/formats/dialects.h"
 
 namespace bakelight::formats {
 namespace {
@@ -20,22 +18,9 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-class StlDialects : public testing::Test {
+class StlDialects : public DialectTest {
  protected:
-  MeshImport import(const std::string& bytes) const {
-    writeQuickly(folder_ / "a.stl", bytes);
-    return importMesh(folder_ / "a.stl");
-  }
-  std::string errorOf(const std::string& bytes) const {
-    try {
-      import(bytes);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "no error";
-  }
-
-  ScratchFolder folder_;
+  StlDialects() : DialectTest(".stl") {}
 };
 
 std::string facetsOf(std::size_t begin, std::size_t end) {
@@ -57,11 +42,6 @@ std::string textStl() {
   return "solid my L bracket\n" + facetsOf(0, 20) + "endsolid my L bracket\n";
 }
 
-template <class T>
-void append(std::string& bytes, const T& value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
 std::string binaryStl(std::string header, const std::vector<std::uint16_t>& attributes = {},
                       const Float3& normal = {}) {
   const TriangleMesh mesh = bracket();
@@ -77,12 +57,6 @@ std::string binaryStl(std::string header, const std::vector<std::uint16_t>& attr
 
 std::string upper(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });
-  return text;
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
-    text.replace(at, from.size(), to);
   return text;
 }
 
