@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "formats/error.h"
+#include "formats/missing_picture.h"
 #include "formats/named_file.h"
 
 namespace bakelight::formats {
@@ -55,38 +57,42 @@ class MaterialReader {
     }
     PartMaterial part{.name = text.empty() ? "material_" + std::to_string(index) : text, .color = {}};
     std::optional<AssimpLookup> lookup;
+    aiColor4D color;
+    if (material.Get(AI_MATKEY_COLOR_DIFFUSE, color) == aiReturn_SUCCESS) {
+      part.color = Float3{color.r, color.g, color.b};
+    }
     for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {
       aiString file;
       if (part.texture >= 0 || material.GetTexture(type, 0, &file) != aiReturn_SUCCESS) continue;
       part.texture = textureAt(file, wrapOf(material, AI_MATKEY_MAPPINGMODE_U(type, 0)),
-                               wrapOf(material, AI_MATKEY_MAPPINGMODE_V(type, 0)), part.name);
+                               wrapOf(material, AI_MATKEY_MAPPINGMODE_V(type, 0)), part);
       if (part.texture >= 0) lookup = lookupOf(material, type);
     }
-    aiColor4D color;
     // In these formats the picture stands in the colour's place.
-    if (part.texture < 0 && material.Get(AI_MATKEY_COLOR_DIFFUSE, color) == aiReturn_SUCCESS) {
-      part.color = Float3{color.r, color.g, color.b};
-    }
+    if (part.texture >= 0) part.color.reset();
     result_.places.push_back(static_cast<int>(result_.materials.size()));
     result_.materials.push_back(std::move(part));
     result_.lookups.push_back(lookup);
   }
 
   int textureAt(const aiString& file, AlbedoTexture::Wrap wrap_u, AlbedoTexture::Wrap wrap_v,
-                const std::string& material) {
+                const PartMaterial& material) {
     AlbedoTexture texture;
     texture.wrap_u = wrap_u, texture.wrap_v = wrap_v;
     if (const aiTexture* embedded = scene_.GetEmbeddedTexture(file.C_Str())) {
       texture.name = path_.string() + ", embedded picture " + file.C_Str();
       if (embedded->mHeight != 0) {
-        return missing("the embedded picture " + std::string(file.C_Str()) + " is in no picture format",
-                       material);
+        throw badInput({texture.name, "", ""}, "it is in no picture format", "PNG, JPEG or another one",
+                       "export the pictures as files");
       }
       const auto* bytes = reinterpret_cast<const std::byte*>(embedded->pcData);
       texture.bytes.assign(bytes, bytes + embedded->mWidth);
     } else {
       const auto found = findNamedFile(filesOnDisk(), path_.parent_path(), file.C_Str());
-      if (!found) return missing("the picture '" + std::string(file.C_Str()) + "' does not exist", material);
+      if (!found) {
+        noteOnce(missingPicture(path_.string(), file.C_Str(), material.name, material.color));
+        return -1;
+      }
       if (!found->exact) {
         noteOnce("'" + std::string(file.C_Str()) + "' is taken to mean " + found->path.filename().string());
       }
@@ -100,11 +106,6 @@ class MaterialReader {
     }
     result_.textures.push_back(std::move(texture));
     return static_cast<int>(result_.textures.size() - 1);
-  }
-
-  int missing(const std::string& what, const std::string& material) {
-    noteOnce(what + ": the material '" + material + "' has its own colour alone");
-    return -1;
   }
 
   void noteOnce(const std::string& text) {

@@ -30,10 +30,10 @@ std::optional<Image> plainColor(const std::filesystem::path& path) {
 
 }  // namespace
 
-ColorPicture readColorPicture(const std::filesystem::path& path, PictureUse use) {
+ColorPicture readColorPicture(const std::filesystem::path& path, PictureUse use, PictureTurn turn) {
   try {
     std::optional<Image> plain = plainColor(path);
-    if (!plain) return pictureReaders().read_color_picture(path, use);
+    if (!plain) return pictureReaders().read_color_picture(path, use, turn);
     requireFinite(*plain, path.string());
     ColorPicture picture;
     picture.image = std::move(*plain);
@@ -43,6 +43,15 @@ ColorPicture readColorPicture(const std::filesystem::path& path, PictureUse use)
     return picture;
   } catch (const std::bad_alloc&) {
     throw tooLargeImage(path.string());
+  }
+}
+
+ColorPicture readColorPicture(std::span<const std::byte> bytes, const std::string& name, PictureUse use,
+                              PictureTurn turn) {
+  try {
+    return pictureReaders().read_color_picture_bytes(bytes, name, use, turn);
+  } catch (const std::bad_alloc&) {
+    throw tooLargeImage(name);
   }
 }
 

@@ -198,16 +198,21 @@ GltfValue GltfDocument::referred(const GltfValue& reference, const char* section
   return item(section, indexAt(reference, section));
 }
 
+std::optional<fs::path> fileOfUri(const std::string& uri, const fs::path& folder) {
+  for (const fs::path& path : pathsOfUri(uri)) {
+    std::error_code ignored;
+    if (fs::is_regular_file(folder / path, ignored)) return folder / path;
+  }
+  return std::nullopt;
+}
+
 fs::path existingFile(const GltfValue& uri, const fs::path& folder) {
   const auto paths = pathsOfUri(uri.text());
   if (paths.empty()) {
     throw uri.error("'" + uri.text() + "' is not the name of a file", "a path, relative to the glTF file",
                     "put the file beside it and name it here");
   }
-  for (const fs::path& path : paths) {
-    std::error_code ignored;
-    if (fs::is_regular_file(folder / path, ignored)) return folder / path;
-  }
+  if (auto found = fileOfUri(uri.text(), folder)) return *std::move(found);
   throw uri.error("the file " + (folder / paths[0]).string() + " is missing",
                   "a file that the glTF file names", "put it there, or export as one .glb file");
 }

@@ -67,7 +67,9 @@ class GltfDocument {
   std::vector<std::optional<Bytes>> unpacked_views_;
 };
 
-// Where the file of `uri` lies, a file that exists; or the error at its pointer.
+// Where the file of `uri` lies, if it exists.
+std::optional<std::filesystem::path> fileOfUri(const std::string& uri, const std::filesystem::path& folder);
+// The same, or the error at its pointer.
 std::filesystem::path existingFile(const GltfValue& uri, const std::filesystem::path& folder);
 
 // Whether the view is compressed by EXT_meshopt_compression, and its content if it is.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "formats/gltf_uri.h"
+#include "formats/missing_picture.h"
 
 namespace bakelight::formats {
 namespace {
@@ -86,27 +87,33 @@ void GltfMaterials::read(const GltfValue& material, PartMaterial& result, std::o
         Float3{static_cast<float>(rgba[0]), static_cast<float>(rgba[1]), static_cast<float>(rgba[2])};
   }
   if (const auto info = model->find(older ? "diffuseTexture" : "baseColorTexture")) {
-    lookup = lookupAt(*info);
-    result.texture = textureAt(info->at("index"));
+    result.texture = textureAt(info->at("index"), result);
+    if (result.texture >= 0) lookup = lookupAt(*info);
   }
 }
 
-int GltfMaterials::textureAt(const GltfValue& reference) {
+int GltfMaterials::textureAt(const GltfValue& reference, const PartMaterial& material) {
   const GltfValue texture = document_.referred(reference, "textures");
-  std::size_t image = 0;
-  AlbedoTexture picture = pictureAt(texture, image);
+  std::size_t index = 0;
+  const GltfValue image = imageOf(texture, index);
+  std::optional<AlbedoTexture> picture = pictureAt(image, index);
+  if (!picture) {
+    notes_.push_back(missingPicture(document_.file() + ", " + image.pointer(), image.at("uri").text(),
+                                    material.name, material.color));
+    return -1;
+  }
   if (const auto sampler = texture.find("sampler")) {
     const GltfValue values = document_.referred(*sampler, "samplers");
-    picture.wrap_u = wrapAt(values, "wrapS");
-    picture.wrap_v = wrapAt(values, "wrapT");
+    picture->wrap_u = wrapAt(values, "wrapS");
+    picture->wrap_v = wrapAt(values, "wrapT");
   }
-  const auto [place, is_new] = texture_of_image_.try_emplace({image, picture.wrap_u, picture.wrap_v},
+  const auto [place, is_new] = texture_of_image_.try_emplace({index, picture->wrap_u, picture->wrap_v},
                                                              static_cast<int>(textures_.size()));
-  if (is_new) textures_.push_back(std::move(picture));
+  if (is_new) textures_.push_back(*std::move(picture));
   return place->second;
 }
 
-AlbedoTexture GltfMaterials::pictureAt(const GltfValue& texture, std::size_t& image_index) {
+GltfValue GltfMaterials::imageOf(const GltfValue& texture, std::size_t& image_index) {
   std::optional<GltfValue> source = texture.find("source");
   for (const char* name :
        {"EXT_texture_webp", "MSFT_texture_dds", "EXT_texture_avif", "KHR_texture_basisu"}) {
@@ -115,11 +122,12 @@ AlbedoTexture GltfMaterials::pictureAt(const GltfValue& texture, std::size_t& im
   }
   if (!source) throw texture.error("the texture has no \"source\"", "the index of an image");
   image_index = document_.indexAt(*source, "images");
-  return imageAt(document_.item("images", image_index), image_index);
+  return document_.item("images", image_index);
 }
 
-AlbedoTexture GltfMaterials::imageAt(const GltfValue& image, std::size_t index) const {
+std::optional<AlbedoTexture> GltfMaterials::pictureAt(const GltfValue& image, std::size_t index) const {
   AlbedoTexture picture;
+  picture.as_stored = true;
   std::string media_type = textOr(image, "mimeType", "");
   const std::string own_name = textOr(image, "name", "");
   picture.name =
@@ -130,7 +138,9 @@ AlbedoTexture GltfMaterials::imageAt(const GltfValue& image, std::size_t index) 
     picture.bytes = std::move(data.bytes);
     if (media_type.empty()) media_type = data.media_type;
   } else if (uri) {
-    picture.path = existingFile(*uri, document_.folder());
+    const auto found = fileOfUri(uri->text(), document_.folder());
+    if (!found) return std::nullopt;
+    picture.path = *found;
     picture.name = picture.path.string();
   } else {
     const auto bytes = document_.view(image.at("bufferView")).bytes;
@@ -154,6 +164,7 @@ void GltfMaterials::moveTo(MeshParts& parts) {
                           (see_through_.size() == 1 ? " material is" : " materials are") +
                           " transparent in the file and baked as opaque: " + names);
   }
+  parts.notes.insert(parts.notes.end(), notes_.begin(), notes_.end());
   parts.materials = std::move(materials_);
   parts.textures = std::move(textures_);
 }

@@ -42,9 +42,10 @@ class GltfMaterials {
   };
 
   void read(const GltfValue& material, PartMaterial& result, std::optional<GltfLookup>& lookup);
-  int textureAt(const GltfValue& reference);
-  AlbedoTexture pictureAt(const GltfValue& texture, std::size_t& image_index);
-  AlbedoTexture imageAt(const GltfValue& image, std::size_t index) const;
+  // −1, and noted, if its picture is not there.
+  int textureAt(const GltfValue& reference, const PartMaterial& material);
+  GltfValue imageOf(const GltfValue& texture, std::size_t& image_index);
+  std::optional<AlbedoTexture> pictureAt(const GltfValue& image, std::size_t index) const;
 
   GltfDocument& document_;
   std::vector<Material> read_;
@@ -52,6 +53,7 @@ class GltfMaterials {
   std::vector<AlbedoTexture> textures_;
   std::map<std::tuple<std::size_t, AlbedoTexture::Wrap, AlbedoTexture::Wrap>, int> texture_of_image_;
   std::vector<std::string> see_through_;  // names
+  std::vector<std::string> notes_;
 };
 
 }  // namespace bakelight::formats

@@ -28,10 +28,6 @@ Image readImage(const std::filesystem::path& path, NonFinite non_finite) {
   }
 }
 
-Image readImage(std::span<const std::byte> bytes, const std::string& name, NonFinite non_finite) {
-  return pictureReaders().read_image_bytes(bytes, name, non_finite);
-}
-
 std::map<std::string, std::string> readImageMetadata(const std::filesystem::path& path) {
   auto plain = plainExrMetadata(path);
   return plain ? std::move(*plain) : pictureReaders().read_metadata(path);

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <map>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -41,11 +40,6 @@ enum class NonFinite { kReject, kKeep };
 // they are (no colour conversion: formats/color_picture.h reads light and albedo). Throws Error(kBadInput)
 // naming file, and texel and channel where a value is rejected.
 Image readImage(const std::filesystem::path& path, NonFinite non_finite = NonFinite::kReject);
-
-// The same from the bytes of a picture's file, of a kind that tells itself by its first bytes (PNG, JPEG,
-// GIF, BMP, TIFF, WebP, EXR, Radiance); `name` is for messages.
-Image readImage(std::span<const std::byte> bytes, const std::string& name,
-                NonFinite non_finite = NonFinite::kReject);
 
 // The string attributes of an image, those of writeExr's `metadata` among them. Throws as readImage does;
 // pixels are not looked at. OpenEXR keeps no empty text.

@@ -18,6 +18,7 @@
 #include "formats/file.h"
 #include "formats/mesh_transform.h"
 #include "formats/polygon.h"
+#include "formats/text_scan.h"
 
 namespace bakelight::formats {
 namespace {
@@ -134,16 +135,18 @@ class SceneReader {
     }
   }
 
-  void addTexcoords(const aiMesh& mesh, const std::string& name, MeshPart& part) const {
+  void addTexcoords(const aiMesh& mesh, const std::string& name, MeshPart& part) {
     if (mesh.HasTextureCoords(0)) part.texcoords = texcoords(mesh, AssimpLookup{});
     if (part.material < 0) return;
-    const auto& lookup = materials_.lookups[static_cast<std::size_t>(part.material)];
+    auto lookup = materials_.lookups[static_cast<std::size_t>(part.material)];
     if (!lookup || lookup->isPlain()) return;
     if (lookup->set >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh.HasTextureCoords(lookup->set)) {
-      throw error(name,
-                  "its material looks its texture up in set " + std::to_string(lookup->set) +
-                      " of texture coordinates, which is not there",
-                  "texture coordinates for a material with a texture");
+      if (part.texcoords.empty()) return;  // told with the picture, once all parts are there
+      note(name + " has no set " + std::to_string(lookup->set) +
+           " of texture coordinates, in which the material '" +
+           materials_.materials[static_cast<std::size_t>(part.material)].name +
+           "' looks its picture up: set 0 is taken");
+      lookup->set = 0;
     }
     part.texture_lookups = texcoords(mesh, *lookup);
   }
@@ -212,9 +215,15 @@ void checkLengthOf3ds(const std::filesystem::path& path) {
       "as many bytes as the header says", "copy or export the file again, it was probably cut short");
 }
 
+// As UTF-8, which assimp 5.2 wants.
+std::string textOfCollada(const std::filesystem::path& path) {
+  std::string text = readTextFile(path);
+  auto converted = utf8FromUtf16(text);
+  return converted ? std::move(*converted) : text;
+}
+
 // assimp 5.2 never returns from a COLLADA index list with anything but digits in it.
-void checkIndicesOfCollada(const std::filesystem::path& path) {
-  const std::string text = readTextFile(path);
+void checkIndicesOfCollada(const std::string& text, const std::filesystem::path& path) {
   constexpr std::string_view kLists[] = {"p", "h", "v", "vcount"};
   for (std::size_t open = text.find('<'); open != std::string::npos; open = text.find('<', open + 1)) {
     const std::size_t name_end = text.find_first_of(" \t\r\n>/", open + 1);
@@ -235,7 +244,9 @@ void checkIndicesOfCollada(const std::filesystem::path& path) {
 
 MeshParts readWithAssimp(const std::filesystem::path& path) {
   if (lowerEnding(path) == ".3ds") checkLengthOf3ds(path);
-  if (lowerEnding(path) == ".dae") checkIndicesOfCollada(path);
+  const bool is_collada = lowerEnding(path) == ".dae";
+  const std::string collada = is_collada ? textOfCollada(path) : "";
+  if (is_collada) checkIndicesOfCollada(collada, path);
   Assimp::Importer importer;
   leaveOutOurFormats(importer);
   const auto unreadable = [&](const std::string& why) {
@@ -244,7 +255,8 @@ MeshParts readWithAssimp(const std::filesystem::path& path) {
   };
   const aiScene* scene = nullptr;
   try {
-    scene = importer.ReadFile(path.string(), 0);
+    scene = is_collada ? importer.ReadFileFromMemory(collada.data(), collada.size(), 0, "dae")
+                       : importer.ReadFile(path.string(), 0);
   } catch (const std::exception& error) {  // numbers or sizes of a damaged file
     throw unreadable(error.what());
   }

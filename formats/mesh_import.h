@@ -20,6 +20,7 @@ struct AlbedoTexture {
   std::filesystem::path path;  // a picture file; empty if the picture is embedded
   Bytes bytes = {};            // what an embedded picture's file would hold (PNG, JPEG, …)
   Wrap wrap_u = Wrap::kRepeat, wrap_v = Wrap::kRepeat;
+  bool as_stored = false;  // not turned as the picture's Exif data say: glTF
 };
 
 struct MeshImport {

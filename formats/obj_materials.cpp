@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include "formats/error.h"
+#include "formats/missing_picture.h"
 #include "formats/text_scan.h"
 
 namespace bakelight::formats {
@@ -76,7 +77,7 @@ class MaterialFinder {
         material.color = known->second.material.color;
         if (known->second.material.texture) {
           lookup = *known->second.material.texture;
-          material.texture = textureOf(lookup, known->second.library);
+          material.texture = textureOf(lookup, known->second.library, material);
         }
       } else if (!known_.empty()) {
         missing.push_back(name);
@@ -109,17 +110,16 @@ class MaterialFinder {
     result_.notes.insert(result_.notes.end(), library.notes.begin(), library.notes.end());
   }
 
-  int textureOf(const MtlTexture& texture, const fs::path& library) {
+  int textureOf(const MtlTexture& texture, const fs::path& library, const PartMaterial& material) {
     auto found = findNamedFile(files_, library.parent_path(), texture.name);
     if (!found) found = findNamedFile(files_, folder_, texture.name);
-    const std::string place = library.string() + ", line " + std::to_string(texture.line) + ": ";
+    const std::string place = library.string() + ", line " + std::to_string(texture.line);
     if (!found) {
-      noteOnce(place + "the picture '" + texture.name +
-               "' does not exist: the material has its own colour alone");
+      noteOnce(missingPicture(place, texture.name, material.name, material.color));
       return -1;
     }
     if (!found->exact)
-      noteOnce(place + "'" + texture.name + "' is taken to mean " + found->path.filename().string());
+      noteOnce(place + ": '" + texture.name + "' is taken to mean " + found->path.filename().string());
     using Wrap = AlbedoTexture::Wrap;
     const Wrap wrap = texture.clamp ? Wrap::kClamp : Wrap::kRepeat;
     for (std::size_t i = 0; i < result_.textures.size(); ++i)

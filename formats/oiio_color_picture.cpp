@@ -158,15 +158,12 @@ float decoded(float srgb) {  // IEC 61966-2-1
   return srgb <= 0.04045F ? srgb / 12.92F : std::pow((srgb + 0.055F) / 1.055F, 2.4F);
 }
 
-}  // namespace
-
-ColorPicture readColorPicture(const std::filesystem::path& path, PictureUse use) {
-  const std::string file = path.string();
-  const auto input = openImage(file, true);
+ColorPicture readOpened(OIIO::ImageInput& input, const std::string& file, PictureUse use, PictureTurn turn) {
   ColorPicture picture;
-  picture.image = upright(readChannels(*input, selectColor(*input, file), file), *input);
+  picture.image = readChannels(input, selectColor(input, file), file);
+  if (turn == PictureTurn::kAsFileSays) picture.image = upright(std::move(picture.image), input);
   requireFinite(picture.image, file);
-  const OIIO::ImageSpec& spec = input->spec();
+  const OIIO::ImageSpec& spec = input.spec();
   picture.decoded = isInteger(spec.format) && !saysLinear(spec);
   if (picture.decoded)
     for (float& value : picture.image.values) value = decoded(value);
@@ -178,6 +175,19 @@ ColorPicture readColorPicture(const std::filesystem::path& path, PictureUse use)
                             "picture (OpenEXR, Radiance) has the whole range");
   if (const std::string note = noteIfBlack(picture.image, file); !note.empty()) picture.notes.push_back(note);
   return picture;
+}
+
+}  // namespace
+
+ColorPicture readColorPicture(const std::filesystem::path& path, PictureUse use, PictureTurn turn) {
+  const std::string file = path.string();
+  return readOpened(*openImage(file, true), file, use, turn);
+}
+
+ColorPicture readColorPicture(std::span<const std::byte> bytes, const std::string& name, PictureUse use,
+                              PictureTurn turn) {
+  const ImageInMemory opened = openImage(bytes, name, true);
+  return readOpened(*opened.input, name, use, turn);
 }
 
 }  // namespace bakelight::formats::oiio

@@ -55,30 +55,14 @@ Turn turnOf(const OIIO::ImageInput& input) {
   }
 }
 
+}  // namespace
+
 OIIO::ImageSpec readingHints(bool converted) {
   OIIO::ImageSpec hints;
   hints["oiio:UnassociatedAlpha"] = 1;  // values as they stand in the file: colour is not multiplied by alpha
   hints["oiio:RawColor"] = converted ? 0 : 1;
   return hints;
 }
-
-// The ending by which OpenImageIO finds the reader, or "" for what is no picture that we know.
-std::string endingOf(std::span<const std::byte> bytes) {
-  struct Kind {
-    std::string_view start, ending;
-  };
-  static constexpr Kind kKinds[] = {
-      {"\x89PNG", ".png"}, {"\xFF\xD8\xFF", ".jpg"}, {"GIF8", ".gif"},  {"BM", ".bmp"},
-      {"II*", ".tif"},     {"MM", ".tif"},           {"RIFF", ".webp"}, {"\x76\x2F\x31\x01", ".exr"},
-      {"#?", ".hdr"}};
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  for (const Kind& kind : kKinds) {
-    if (text.starts_with(kind.start)) return std::string(kind.ending);
-  }
-  return "";
-}
-
-}  // namespace
 
 void requireFlat(const OIIO::ImageSpec& spec, const std::string& file) {
   if (spec.depth > 1 || spec.deep) throw badInput({file, "", ""}, "it is deep or a volume", "a flat image");
@@ -117,24 +101,6 @@ Image upright(Image image, const OIIO::ImageInput& input) {
 Image readImage(const std::filesystem::path& path, NonFinite non_finite) {
   const std::string file = path.string();
   return readWith(*openImage(file, false), file, non_finite);
-}
-
-Image readImage(std::span<const std::byte> bytes, const std::string& name, NonFinite non_finite) {
-  const std::string ending = endingOf(bytes);
-  if (ending.empty())
-    throw badInput({name, "", ""}, "it is no picture of a known kind",
-                   "PNG, JPEG, GIF, BMP, TIFF, WebP, EXR or Radiance");
-  OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes.data()), bytes.size());
-  OIIO::Filesystem::IOProxy* proxy = &memory;
-  OIIO::ImageSpec hints = readingHints(false);
-  hints.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  const auto input = OIIO::ImageInput::open("picture" + ending, &hints, &memory);
-  if (!input) throw unreadableImage(name, OIIO::geterror());
-  try {
-    return readWith(*input, name, non_finite);
-  } catch (const std::bad_alloc&) {
-    throw tooLargeImage(name);
-  }
 }
 
 std::map<std::string, std::string> readImageMetadata(const std::filesystem::path& path) {

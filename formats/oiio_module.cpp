@@ -4,6 +4,6 @@
 extern "C" const void* bakelight_picture_readers() {
   namespace oiio = bakelight::formats::oiio;
   static constexpr bakelight::formats::PictureReaders kReaders = {
-      oiio::readImage, oiio::readImage, oiio::readImageMetadata, oiio::readColorPicture};
+      oiio::readImage, oiio::readImageMetadata, oiio::readColorPicture, oiio::readColorPicture};
   return &kReaders;
 }

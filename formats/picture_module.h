@@ -16,9 +16,10 @@ namespace bakelight::formats {
 // promise of the functions of these names.
 struct PictureReaders {
   Image (*read_image)(const std::filesystem::path& path, NonFinite non_finite);
-  Image (*read_image_bytes)(std::span<const std::byte> bytes, const std::string& name, NonFinite non_finite);
   std::map<std::string, std::string> (*read_metadata)(const std::filesystem::path& path);
-  ColorPicture (*read_color_picture)(const std::filesystem::path& path, PictureUse use);
+  ColorPicture (*read_color_picture)(const std::filesystem::path& path, PictureUse use, PictureTurn turn);
+  ColorPicture (*read_color_picture_bytes)(std::span<const std::byte> bytes, const std::string& name,
+                                           PictureUse use, PictureTurn turn);
 };
 
 // Loads them at the first call (module.h), and throws what that does.

@@ -5,6 +5,7 @@
 
 #include "formats/error.h"
 #include "formats/gltf_uri.h"
+#include "formats/missing_picture.h"
 #include "formats/ply_contents.h"
 #include "formats/ply_textures.h"
 #include "formats/polygon_mesh.h"
@@ -117,7 +118,7 @@ class PlyAssembler {
       PartMaterial material{.name = name, .color = {}, .texture = -1};
       const auto found = findNamedFile(files, folder, name);
       if (!found) {
-        note("the texture '" + name + "', which the header names, does not exist: its faces have no colour");
+        note(missingPicture(file_, name, name, std::nullopt));
       } else {
         if (!found->exact) note("'" + name + "' is taken to mean " + found->path.filename().string());
         material.texture = static_cast<int>(result_.textures.size());

@@ -14,22 +14,50 @@ namespace fs = std::filesystem;
 using formats::Json;
 namespace {
 
+std::vector<std::string> namesIn(const fs::path& folder, const Disk& disk) {
+  try {
+    return disk.list(folder.empty() ? "." : folder);
+  } catch (const Error&) {
+    return {};  // there is none
+  }
+}
+
+std::string hashOfNames(const std::vector<std::string>& names) {
+  std::string all;
+  for (const std::string& name : names) all.append(name).append("\n");
+  return formats::contentHash(all);
+}
+
+// Remembers what it was asked for: which file a name means can change when another one appears.
 class LookupOn : public formats::FileLookup {
  public:
   explicit LookupOn(const Disk& disk) : disk_(disk) {}
-  bool isFile(const fs::path& path) const override { return disk_.isFile(path); }
+  bool isFile(const fs::path& path) const override {
+    const bool there = disk_.isFile(path);
+    files_[path.string()] = there;
+    return there;
+  }
   std::string read(const fs::path& path) const override { return disk_.read(path); }
   std::vector<std::string> list(const fs::path& folder) const override {
-    try {
-      return disk_.list(folder.empty() ? "." : folder);
-    } catch (const Error&) {
-      return {};  // there is none
-    }
+    std::vector<std::string> names = namesIn(folder, disk_);
+    folders_[folder.string()] = hashOfNames(names);
+    return names;
   }
+  Json seen() const { return {{"files", files_}, {"folders", folders_}}; }
 
  private:
   const Disk& disk_;
+  mutable Json files_ = Json::object(), folders_ = Json::object();
 };
+
+// Whether all that a lookup has seen is as it was.
+bool isAsSeen(const Json& seen, const Disk& disk) {
+  for (const auto& [path, there] : seen.at("files").items())
+    if (disk.isFile(path) != there.get<bool>()) return false;
+  for (const auto& [folder, names] : seen.at("folders").items())
+    if (hashOfNames(namesIn(folder, disk)) != names.get<std::string>()) return false;
+  return true;
+}
 
 // The texts under `key` in the elements of the list `section`.
 void collect(const Json& document, const char* section, const char* key, std::set<std::string>& texts) {
@@ -83,10 +111,10 @@ Json namesOf(const std::vector<fs::path>& files) {
 
 std::string hashWithCompanions(const fs::path& path, const Disk& disk, Memo& memo) {
   const std::string own = memo.hashOf(path), key = "companions of " + path.lexically_normal().string();
-  // Which files are named can change only with one of those that were looked into.
+  // Which files are named can change only with one of those that were looked into or looked for.
   if (const auto known = memo.answer(key)) {
     try {
-      if (known->at("own") == own &&
+      if (known->at("own") == own && isAsSeen(known->at("seen"), disk) &&
           known->at("all") == combined(own, path, pathsFrom(known->at("files")), disk, memo))
         return known->at("all").get<std::string>();
     } catch (const Json::exception&) {
@@ -94,9 +122,10 @@ std::string hashWithCompanions(const fs::path& path, const Disk& disk, Memo& mem
     }
   }
   const bool is_rig = formats::lowerEnding(path) == ".json";
-  const auto files = is_rig ? rigCompanions(path, disk) : formats::meshCompanions(path, LookupOn(disk));
+  const LookupOn lookup(disk);
+  const auto files = is_rig ? rigCompanions(path, disk) : formats::meshCompanions(path, lookup);
   const std::string all = combined(own, path, files, disk, memo);
-  memo.rememberAnswer(key, {{"own", own}, {"all", all}, {"files", namesOf(files)}});
+  memo.rememberAnswer(key, {{"own", own}, {"all", all}, {"files", namesOf(files)}, {"seen", lookup.seen()}});
   return all;
 }
 

@@ -1,7 +1,6 @@
 #include "tools/simplify/albedo_map.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <span>
@@ -9,7 +8,6 @@
 
 #include "formats/color_picture.h"
 #include "formats/error.h"
-#include "transport/color.h"
 
 namespace bakelight::simplify {
 namespace {
@@ -60,37 +58,15 @@ int wrapped(int i, int size, Wrap wrap) {
   return wrap == Wrap::kRepeat ? (i % size + size) % size : std::clamp(i, 0, size - 1);
 }
 
-// EXR and Radiance hold light, all others display codes: by the first bytes.
-bool isLinear(const formats::Bytes& picture) {
-  const std::string start(reinterpret_cast<const char*>(picture.data()),
-                          std::min<std::size_t>(picture.size(), 4));
-  return start == "\x76\x2f\x31\x01" || start.starts_with("#?");
-}
-
-// As R, G, B.
-Image linearPicture(const Image& image, bool linear, const std::string& name) {
-  std::array<int, 3> channels = {image.channelIndex("R"), image.channelIndex("G"), image.channelIndex("B")};
-  if (image.channelCount() <= 2) channels = {0, 0, 0};
-  if (image.channelCount() == 0 || *std::min_element(channels.begin(), channels.end()) < 0)
-    throw badInput({name, "", ""}, "has no colour", "channels R, G and B, or a single one");
-  Image albedo(image.width, image.height, {"R", "G", "B"});
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x)
-      for (std::size_t c = 0; c < 3; ++c) {
-        const float value = image.texel(x, y)[channels[c]];
-        albedo.texel(x, y)[c] = linear ? value : transport::linearFromSrgb(value);
-      }
-  return albedo;
-}
-
 Image readPicture(const formats::AlbedoTexture& texture, const std::string& mesh_file) {
+  using formats::PictureTurn, formats::PictureUse;
+  const PictureTurn turn = texture.as_stored ? PictureTurn::kAsStored : PictureTurn::kAsFileSays;
   if (!texture.bytes.empty())
-    return linearPicture(formats::readImage(texture.bytes, texture.name), isLinear(texture.bytes),
-                         texture.name);
+    return formats::readColorPicture(texture.bytes, texture.name, PictureUse::kReflectance, turn).image;
   if (!std::filesystem::is_regular_file(texture.path))
     throw badInput({texture.path.string(), "", ""}, "there is no such file",
                    "the picture that gives " + mesh_file + " its albedo", kOwnTextureRemedy);
-  return formats::readColorPicture(texture.path, formats::PictureUse::kReflectance).image;
+  return formats::readColorPicture(texture.path, PictureUse::kReflectance, turn).image;
 }
 
 }  // namespace

@@ -55,10 +55,11 @@ class Source {
     }
   }
 
-  // The place that a point of a triangle with that normal and material takes its colour from.
-  SurfacePoint closest(const Vec3& position, const Vec3& normal,
-                       std::optional<std::uint32_t> material) const {
-    SurfacePoint point = surface_.closestFacing(position, normal, material);
+  // The place that a point of a triangle with that normal and material takes its colour from. `near`: that of
+  // a point near by, if known; it changes no answer.
+  SurfacePoint closest(const Vec3& position, const Vec3& normal, std::optional<std::uint32_t> material,
+                       std::optional<std::uint32_t> near) const {
+    SurfacePoint point = surface_.closestFacing(position, normal, material, near);
     if (!point.valid) point = surface_.closest(position, material);  // the source is inside out here
     if (!point.valid) point = surface_.closest(position);
     return point;
@@ -155,10 +156,12 @@ CarriedAlbedo carryAlbedo(const MeshImport& source, const TriangleMesh& simplifi
     shares[t].fill(Vec3::Zero());
     std::optional<std::uint32_t> material;
     if (!target.materials.empty() && !source.mesh.triangle_materials.empty()) material = target.materials[t];
+    std::optional<std::uint32_t> near;  // where the triangle is the source's own, that one
     for (const Vec3& w : weights) {
       const Vec3 position =
           w[0] * target.corner(t, 0) + w[1] * target.corner(t, 1) + w[2] * target.corner(t, 2);
-      const SurfacePoint point = original.closest(position, area, material);
+      const SurfacePoint point = original.closest(position, area, material, near);
+      near = point.triangle;
       const double sample_area = areas[t] / static_cast<double>(weights.size());
       const Vec3 color = original.colorAt(point, sample_area) / static_cast<double>(weights.size());
       for (int k = 0; k < 3; ++k) shares[t][k] += w[k] * color;

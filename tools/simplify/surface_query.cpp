@@ -174,9 +174,12 @@ SurfacePoint SurfaceQuery::closestFrom(std::uint32_t near_triangle, const Vec3& 
   return implementation_->run(search);
 }
 
-SurfacePoint SurfaceQuery::closestFacing(const Vec3& position, const Vec3& normal, Material material) const {
-  return implementation_->run(
-      {implementation_.get(), position, normal, Implementation::Among::kFacing, material});
+SurfacePoint SurfaceQuery::closestFacing(const Vec3& position, const Vec3& normal, Material material,
+                                         std::optional<std::uint32_t> near_triangle) const {
+  Implementation::Search search{implementation_.get(), position, normal, Implementation::Among::kFacing,
+                                material};
+  if (near_triangle) search.meet(*near_triangle);
+  return implementation_->run(search);
 }
 
 SurfacePoint SurfaceQuery::closestPreferFacing(const Vec3& position, const Vec3& normal, double factor,

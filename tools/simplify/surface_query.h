@@ -35,8 +35,8 @@ class SurfaceQuery {
   SurfacePoint closest(const Vec3& position, Material material = std::nullopt) const;
   // Only among triangles whose normal is within 90° of `normal`, so that the far side of a thin sheet is
   // never met.
-  SurfacePoint closestFacing(const Vec3& position, const Vec3& normal,
-                             Material material = std::nullopt) const;
+  SurfacePoint closestFacing(const Vec3& position, const Vec3& normal, Material material = std::nullopt,
+                             std::optional<std::uint32_t> near_triangle = std::nullopt) const;
 
   // The closest of those where it is no farther than `factor` (≥ 1) times the closest of all; else that one.
   SurfacePoint closestPreferFacing(const Vec3& position, const Vec3& normal, double factor,

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <span>
 
 #include "formats/error.h"
 #include "formats/file.h"
@@ -139,6 +140,61 @@ TEST(ColorPicture, OtherFormatsLieAsExifSays) {
     for (int y = 0; y < 2; ++y)
       for (int x = 0; x < 4; ++x) EXPECT_EQ(image.texel(x, y)[0], 1 + x + 4 * y) << orientation;
   }
+}
+
+// Stored 4 × 2, lying as Exif's `orientation` says; red grows to the right, green downwards.
+void writePicture(const std::filesystem::path& path, int orientation) {
+  OIIO::ImageSpec spec(4, 2, 3, OIIO::TypeDesc::UINT8);
+  spec.attribute("Orientation", orientation);
+  spec.attribute("CompressionQuality", 100);
+  std::vector<std::uint8_t> codes;
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 4; ++x)
+      codes.insert(codes.end(),
+                   {static_cast<std::uint8_t>(40 + 50 * x), static_cast<std::uint8_t>(60 + 90 * y), 100});
+  auto output = OIIO::ImageOutput::create(path.string());
+  ASSERT_TRUE(output && output->open(path.string(), spec)) << path;
+  ASSERT_TRUE(output->write_image(OIIO::TypeDesc::UINT8, codes.data()));
+  ASSERT_TRUE(output->close());
+}
+
+TEST(ColorPicture, PicturesInMemoryAreTheSameWhateverTheirKind) {
+  const tests::TemporaryFolder folder;
+  for (const char* name : {"a.png", "a.jpg", "a.bmp", "a.tga", "a.tif", "a.webp"}) {
+    const auto path = folder / name;
+    writePicture(path, 1);
+    const Image file = readColorPicture(path, PictureUse::kReflectance).image;
+    const Image bytes = readColorPicture(readFile(path), "skin", PictureUse::kReflectance).image;
+    ASSERT_EQ(bytes.width, 4) << name;
+    ASSERT_EQ(bytes.height, 2) << name;
+    EXPECT_EQ(bytes.values, file.values) << name;
+    EXPECT_GT(bytes.texel(3, 0)[0], 2 * bytes.texel(1, 0)[0]) << name;
+    EXPECT_GT(bytes.texel(0, 1)[1], 2 * bytes.texel(0, 0)[1]) << name << ": the first row is on top";
+  }
+  for (const std::string text : {"no picture at all, but a text", "\x89PNG and no more", "BM", ""}) {
+    const auto bytes = std::as_bytes(std::span(text));
+    try {
+      readColorPicture(bytes, "skin", PictureUse::kReflectance);
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("skin")) << text;
+    }
+  }
+}
+
+TEST(ColorPicture, AsStoredExifDoesNotCount) {
+  const tests::TemporaryFolder folder;
+  writePicture(folder / "a.jpg", 6);
+  const auto bytes = readFile(folder / "a.jpg");
+  for (const auto& [turn, width] : {std::pair{PictureTurn::kAsFileSays, 2}, {PictureTurn::kAsStored, 4}}) {
+    EXPECT_EQ(readColorPicture(folder / "a.jpg", PictureUse::kReflectance, turn).image.width, width);
+    EXPECT_EQ(readColorPicture(bytes, "skin", PictureUse::kReflectance, turn).image.width, width);
+  }
+  const Image stored =
+      readColorPicture(bytes, "skin", PictureUse::kReflectance, PictureTurn::kAsStored).image;
+  EXPECT_GT(stored.texel(3, 0)[0], 2 * stored.texel(1, 0)[0]);
+  const Image turned = readColorPicture(bytes, "skin", PictureUse::kReflectance).image;
+  EXPECT_GT(turned.texel(1, 3)[0], 2 * turned.texel(1, 1)[0]) << "6: the first column is on top";
 }
 
 TEST(ColorPicture, EightBitLightIsDecodedWithANote) {

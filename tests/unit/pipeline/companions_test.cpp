@@ -66,6 +66,45 @@ TEST(Companions, TexturesOfAPlyBelongToIt) {
   expectCounted(disk, "models/a.ply", {"models/a b.png"}, {"models/c.png"});
 }
 
+TEST(Companions, PicturesOfOtherFormatsBelongToTheMesh) {
+  FakeDisk disk;
+  disk.write("models/a.dae", "<image><init_from>maps/my%20wood.PNG</init_from></image> 1.5 2.0");
+  disk.write("models/maps/my wood.PNG", "brown");
+  expectCounted(disk, "models/a.dae", {"models/maps/my wood.PNG"}, {"models/c.png"});
+  disk.write("models/b.fbx", std::string("Kaydara\0\x1AS\x0C\0\0\0C:\\x\\b1.tgaS", 26));
+  disk.write("models/b1.tga", "red");
+  expectCounted(disk, "models/b.fbx", {"models/b1.tga"}, {"models/c.png"});
+  disk.write("models/c.3ds", std::string("\0\xA3\x0E\0\0\0T1.JPG\0", 13));
+  disk.write("models/T1.JPG", "green");
+  expectCounted(disk, "models/c.3ds", {"models/T1.JPG"}, {"models/c.png"});
+}
+
+// With what the driver remembers between its runs.
+TEST(Companions, AFileThatFitsANameBetterIsSeen) {
+  FakeDisk disk;
+  Memo memo("memo.json", disk);
+  disk.write("models/a.ply", "ply\nformat ascii 1.0\ncomment TextureFile maps/tex.png\nend_header\n");
+  const auto next = [&](const char* file) {
+    const std::string before = hashWithCompanions("models/a.ply", disk, memo);
+    EXPECT_EQ(hashWithCompanions("models/a.ply", disk, memo), before);
+    disk.write(file, std::string("of ") + file);
+    return hashWithCompanions("models/a.ply", disk, memo) != before;
+  };
+  EXPECT_FALSE(next("models/other.png"));
+  EXPECT_TRUE(next("models/TEX.png")) << "by its last part";
+  EXPECT_TRUE(next("models/maps/Tex.PNG")) << "in other capitals";
+  EXPECT_TRUE(next("models/maps/TEX.png")) << "the first in order";
+  EXPECT_TRUE(next("models/maps/tex.png")) << "by its very name";
+  EXPECT_FALSE(next("models/maps/TEx.png"));
+  disk.removeAll("models/maps/tex.png");
+  const std::string without = hashWithCompanions("models/a.ply", disk, memo);
+  Memo fresh("fresh.json", disk);
+  EXPECT_EQ(without, hashWithCompanions("models/a.ply", disk, fresh));
+  const int reads = disk.reads;
+  hashWithCompanions("models/a.ply", disk, memo);
+  EXPECT_EQ(disk.reads, reads) << "remembered";
+}
+
 TEST(Companions, EscapedNamesOfAGltfAreUnderstood) {
   FakeDisk disk;
   disk.write("models/a.GLTF",
