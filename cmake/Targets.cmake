@@ -60,12 +60,14 @@ function(bakelight_executable name)
   add_dependencies(tools ${name}-tool)
 endfunction()
 
-# bakelight_test(NAME SOURCES a_test.cpp ... LIBRARIES libs [DEPENDS targets]): one GoogleTest program a room;
-# each TEST becomes a ctest of its own, named Suite.Test.
+# bakelight_test(NAME SOURCES a_test.cpp ... LIBRARIES libs [DEPENDS targets] [SPLIT]): one GoogleTest program a room.
+# Each suite becomes a ctest, so that what its tests share is made once; SPLIT makes each TEST one, named Suite.Test,
+# where tests run for many seconds.
 function(bakelight_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES;DEPENDS;PROPERTIES" ${ARGN})
+  cmake_parse_arguments(ARG "SPLIT" "" "SOURCES;LIBRARIES;DEPENDS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE bakelight_flags ${ARG_LIBRARIES} GTest::gtest GTest::gmock GTest::gtest_main)
+  target_link_libraries(${name} PRIVATE
+    bakelight_flags ${ARG_LIBRARIES} GTest::gtest GTest::gmock GTest::gtest_main)
   target_precompile_headers(${name} PRIVATE <gtest/gtest.h> <gmock/gmock.h> <string> <vector> <filesystem>)
   target_compile_definitions(${name} PRIVATE
     BAKELIGHT_SOURCE_DIR="${CMAKE_SOURCE_DIR}" BAKELIGHT_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
@@ -73,8 +75,19 @@ function(bakelight_test name)
   if(ARG_DEPENDS)
     add_dependencies(${name} ${ARG_DEPENDS})
   endif()
-  include(GoogleTest)
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600 ${ARG_PROPERTIES})
+  if(ARG_SPLIT)
+    include(GoogleTest)
+    gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+    return()
+  endif()
+  set(suites ${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake)
+  add_custom_command(TARGET ${name} POST_BUILD BYPRODUCTS ${suites} VERBATIM
+    COMMAND ${CMAKE_COMMAND} -DTEST=$<TARGET_FILE:${name}> -DFOLDER=${CMAKE_CURRENT_BINARY_DIR} -DOUTPUT=${suites}
+            -P ${CMAKE_SOURCE_DIR}/cmake/DiscoverSuites.cmake)
+  set(include_file ${CMAKE_CURRENT_BINARY_DIR}/${name}_include.cmake)
+  file(WRITE ${include_file}
+    "if(EXISTS \"${suites}\")\n  include(\"${suites}\")\nelse()\n  add_test(${name}_NOT_BUILT ${name}_NOT_BUILT)\nendif()\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${include_file})
 endfunction()
 
 # bakelight_benchmark(NAME SOURCES x.cpp LIBRARIES libs): a Google Benchmark program in <build>/bin.

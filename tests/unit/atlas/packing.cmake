@@ -1,3 +1,4 @@
 bakelight_test(atlas_packing_test
   SOURCES packing_test.cpp
-  LIBRARIES bakelight_atlas TBB::tbb)
+  LIBRARIES bakelight_atlas TBB::tbb
+  SPLIT)
