@@ -114,5 +114,14 @@ TEST(WindowUntilPositive, NoLightStaysNone) {
   EXPECT_EQ(windowUntilPositive(dark).moved_energy, 0);
 }
 
+TEST(Windowing, LoudRingingIsToldWithARemedyThatIsLeft) {
+  EXPECT_EQ(ringingWarning(0.5, 0), "");
+  EXPECT_EQ(ringingWarning(0, 0), "");
+  const std::string plain = ringingWarning(-3, 0), windowed = ringingWarning(-3, 0.01);
+  EXPECT_NE(plain.find("falls to -3 times its mean"), std::string::npos) << plain;
+  EXPECT_NE(plain.find("\"windowing\": 0.01, or \"auto\""), std::string::npos) << plain;
+  EXPECT_NE(windowed.find("a stronger \"windowing\""), std::string::npos) << windowed;
+}
+
 }  // namespace
 }  // namespace bakelight::transport
