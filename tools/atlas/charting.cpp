@@ -109,6 +109,8 @@ constexpr std::size_t kLargestReduction = 16;
 constexpr double kShareOfProxy = 0.9;
 // Of a neighbour's area: what is smaller joins it untried.
 constexpr double kScrap = 1.0 / 200;
+// Of the effort of merging: its greater part is done on the proxy, where it costs less.
+constexpr double kShareOfMerging = 1.0 / 20;
 // Of all triangles, that the first merges beside a proxy's charts may take, and by what that grows when none
 // are left.
 constexpr std::int64_t kSmallestMerges = 256;
@@ -455,12 +457,13 @@ class Charting {
   // first: else each scrap beside a large piece would lay that flat once more.
   void merge() {
     std::vector<Contact> all = contacts();
-    const auto most_work =
-        static_cast<std::int64_t>(options_.merging_effort * static_cast<double>(surface_.triangleCount()));
+    const bool has_proxy = report_.proxy_triangles > 0;
+    const double effort = options_.merging_effort * (has_proxy ? kShareOfMerging : 1);
+    const auto most_work = report_.triangles_tried +
+                           static_cast<std::int64_t>(effort * static_cast<double>(surface_.triangleCount()));
     const auto whole = static_cast<std::int64_t>(surface_.triangleCount());
     std::int64_t work = report_.triangles_tried;
-    std::int64_t largest =
-        report_.proxy_triangles > 0 ? std::max<std::int64_t>(1, whole / kSmallestMerges) : whole;
+    std::int64_t largest = has_proxy ? std::max<std::int64_t>(1, whole / kSmallestMerges) : whole;
     while (true) {
       std::vector<std::uint8_t> taken(pieces_.size(), 0);
       std::vector<Candidate> pairs;

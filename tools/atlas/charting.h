@@ -19,7 +19,8 @@ struct ChartingOptions {
   double pieces = 14;          // to begin with, for the whole area
   double solidity = 0.87;      // least area ÷ area of the convex hull in the plane that merging may make
   double largest_share = 0.3;  // of the whole area, that merging may make
-  // Merging ends when it has laid so many times all triangles flat: effort is counted, never timed.
+  // Merging ends when it has laid so many times all triangles flat, or a 20th of that beside what a proxy has
+  // merged: effort is counted, never timed.
   double merging_effort = 40;
   // Surfaces of many more triangles are charted on a proxy of so many or a 16th first (proxy.h).
   std::size_t proxy_triangles = 24'000;

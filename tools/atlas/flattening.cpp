@@ -67,12 +67,8 @@ bool isGood(const Chart& chart, const std::vector<Vec2>& plane, const Flattening
   return isWithinStretch(chart, plane, options) && isInjective(chart, plane);
 }
 
-// Smaller charts are divided sooner than mended: what is narrow in them may not survive rounding to float.
-constexpr std::size_t kLeastToMend = 1000;
-
 // Mends borders where that keeps within the limits.
 bool mend(const Chart& chart, std::vector<Vec2>& plane, const FlatteningOptions& options) {
-  if (chart.triangles.size() < kLeastToMend) return false;
   std::vector<Vec2> before = plane;
   if (uncrossBorders(chart, plane) && isWithinStretch(chart, plane, options)) return true;
   plane = std::move(before);
@@ -83,9 +79,7 @@ bool mend(const Chart& chart, std::vector<Vec2>& plane, const FlatteningOptions&
 Plane guided(const Surface& surface, const Chart& chart, const FlatteningOptions& options,
              const Guides& guides) {
   Plane plane = guidedStart(surface, chart, guides);
-  if (!plane || !(isInjective(chart, *plane) ||
-                  (chart.triangles.size() >= kLeastToMend && uncrossBorders(chart, *plane))))
-    return std::nullopt;
+  if (!plane || !(isInjective(chart, *plane) || uncrossBorders(chart, *plane))) return std::nullopt;
   *plane = relaxed(chart, std::move(*plane), options);
   if (!isGood(chart, *plane, options)) mend(chart, *plane, options);
   return plane;
@@ -107,7 +101,7 @@ Plane freely(const Surface& surface, const Chart& chart, const FlatteningOptions
     return plane;
   // Where little stretch comes sooner than that no part lies on another.
   *plane = minimiseDistortion(chart, std::move(*plane));
-  if (chart.triangles.size() >= kLeastToMend) uncrossBorders(chart, *plane);
+  uncrossBorders(chart, *plane);
   return plane;
 }
 
@@ -157,8 +151,9 @@ bool isWithinStretch(const FlatPiece& piece, const FlatteningOptions& options) {
 
 // Takes the other plane if it is within the limits.
 bool takeIfValid(FlatPiece& piece, std::vector<Vec2> plane, const FlatteningOptions& options) {
-  if (piece.chart.triangles.size() >= kLeastToMend) uncrossBorders(piece.chart, plane);
-  if (!isInjective(piece.chart, plane)) return false;
+  if (!uncrossBorders(piece.chart, plane) || !isInjective(piece.chart, plane) ||
+      !survivesRounding(piece.chart, plane))
+    return false;
   std::swap(piece.plane, plane);
   const StretchSum before = piece.stretch;
   measure(piece);
@@ -189,7 +184,9 @@ Flattening flatten(const Surface& surface, std::span<const std::uint32_t> triang
   if (!plane) return result;
   piece.plane = std::move(*plane);
   result.directions = directionsIn(piece.chart, piece.plane);
-  if (triangles.size() > 1 && !isInjective(piece.chart, piece.plane)) return result;
+  if (triangles.size() > 1 &&
+      !(isInjective(piece.chart, piece.plane) && survivesRounding(piece.chart, piece.plane)))
+    return result;
 
   measure(piece);
   if (triangles.size() > 1 && !isWithinStretch(piece, options))

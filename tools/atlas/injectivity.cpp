@@ -80,4 +80,17 @@ bool isInjective(const Chart& chart, std::span<const Vec2> plane) {
          !bordersCross(chart, plane);
 }
 
+bool survivesRounding(const Chart& chart, std::span<const Vec2> plane) {
+  constexpr double kCells = 1 << 20;
+  std::vector<Vec2> rounded(plane.size());
+  // What is narrow passes on every other grid.
+  for (const double shift : {0.0, 0.25, 0.5, 0.75}) {
+    for (const auto& loop : chart.borders)
+      for (const std::uint32_t v : loop)
+        rounded[v] = (plane[v] * kCells + Vec2(shift, 3 * shift)).array().round() / kCells;
+    if (!bordersTurnRight(chart, rounded) || bordersCross(chart, rounded)) return false;
+  }
+  return true;
+}
+
 }  // namespace bakelight::atlas

@@ -37,4 +37,9 @@ bool bordersTurnRight(const Chart& chart, std::span<const Vec2> plane);
 // borders around it, as all triangles count positively, and that is 1 at most.
 bool isInjective(const Chart& chart, std::span<const Vec2> plane);
 
+// Whether borders still do not cross, and turn the right way, on grids of 2⁻²⁰, some ten times as coarse as
+// float texture coordinates of a surface of area 1. Narrow notches and holes may not: then the atlas would
+// have to be packed again without the chart.
+bool survivesRounding(const Chart& chart, std::span<const Vec2> plane);
+
 }  // namespace bakelight::atlas

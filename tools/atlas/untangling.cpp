@@ -21,6 +21,8 @@ constexpr int kHalvings = 8;
 // Edges from one that crosses to the other, along a border.
 constexpr std::size_t kReach = 16;
 constexpr std::size_t kMostCrossings = 64;
+// Of notches and holes, where the surface's area is 1.
+constexpr double kLeastWidth = 4.0 / (1 << 20);
 // Edges of notches and vertices of holes that are filled with triangles.
 constexpr std::size_t kLargestFan = 8;
 constexpr int kRounds = 4;
@@ -30,6 +32,14 @@ constexpr double kLeastHeight = 0.1;
 
 bool isFlipped(const Triangle& t, const std::vector<Vec2>& plane) {
   return !(crossOf(plane[t[0]], plane[t[1]], plane[t[2]]) > 0);
+}
+
+// A triangle outside of the chart that is not there, or too narrow to survive rounding (survivesRounding).
+bool isClosed(const Triangle& gap, const std::vector<Vec2>& plane) {
+  double longest = 0;
+  for (std::size_t k = 0; k < 3; ++k)
+    longest = std::max(longest, (plane[gap[(k + 1) % 3]] - plane[gap[k]]).norm());
+  return !(crossOf(plane[gap[0]], plane[gap[1]], plane[gap[2]]) > kLeastWidth * longest);
 }
 
 // Which corners of triangles lie at each vertex.
@@ -112,7 +122,7 @@ class Mending {
     flipped.clear();
     for (const std::uint32_t v : vertices)
       for (const std::uint32_t corner : stars_.of(v))
-        if (isFlipped(triangles_[corner / 3], plane_)) flipped.push_back(corner / 3);
+        if (isWrong(corner / 3)) flipped.push_back(corner / 3);
     makeSet(flipped);
   }
 
@@ -121,10 +131,15 @@ class Mending {
     values.erase(std::unique(values.begin(), values.end()), values.end());
   }
 
+  bool isWrong(std::uint32_t triangle) const {
+    return triangle < chart_.triangles.size() ? isFlipped(triangles_[triangle], plane_)
+                                              : isClosed(triangles_[triangle], plane_);
+  }
+
   bool isAmidFlipped(std::uint32_t v) const {
     const auto corners = stars_.of(v);
     return std::any_of(corners.begin(), corners.end(),
-                       [&](std::uint32_t corner) { return isFlipped(triangles_[corner / 3], plane_); });
+                       [&](std::uint32_t corner) { return isWrong(corner / 3); });
   }
 
   void findHalfPlanes(std::uint32_t v) {
@@ -181,9 +196,9 @@ class Mending {
     double energy = 0;
     for (const std::uint32_t corner : stars_.of(v)) {
       const Triangle& t = triangles_[corner / 3];
-      const double twice_area = crossOf(plane_[t[0]], plane_[t[1]], plane_[t[2]]);
-      if (!(twice_area > 0)) return std::numeric_limits<double>::infinity();
+      if (isWrong(corner / 3)) return std::numeric_limits<double>::infinity();
       if (corner / 3 >= chart_.triangles.size()) continue;
+      const double twice_area = crossOf(plane_[t[0]], plane_[t[1]], plane_[t[2]]);
       const Vec3 ab = chart_.positions[t[1]] - chart_.positions[t[0]],
                  ac = chart_.positions[t[2]] - chart_.positions[t[0]];
       const Vec2 flat_ab = plane_[t[1]] - plane_[t[0]], flat_ac = plane_[t[2]] - plane_[t[0]];
@@ -304,8 +319,7 @@ bool spreadGaps(const Chart& chart, std::vector<Vec2>& plane) {
           addFan(chart.borders[l], 0, chart.borders[l].size(), gaps);
     std::vector<std::uint32_t> flipped;
     for (std::uint32_t i = 0; i < gaps.size(); ++i)
-      if (isFlipped(gaps[i], plane))
-        flipped.push_back(static_cast<std::uint32_t>(chart.triangles.size()) + i);
+      if (isClosed(gaps[i], plane)) flipped.push_back(static_cast<std::uint32_t>(chart.triangles.size()) + i);
     if (flipped.empty()) break;
     Mending(chart, plane, gaps).turnOver(flipped);
   }
@@ -330,12 +344,14 @@ bool untangle(const Chart& chart, std::vector<Vec2>& plane) {
 }
 
 bool uncrossBorders(const Chart& chart, std::vector<Vec2>& plane) {
-  if (borderCrossings(chart, plane, 1).empty() && bordersTurnRight(chart, plane)) return true;
+  if (!bordersCross(chart, plane) && bordersTurnRight(chart, plane) && survivesRounding(chart, plane))
+    return true;
   const std::vector<Vec2> before = plane;
-  if (drawCrossingsFlat(chart, plane) || spreadGaps(chart, plane)) return true;
-  plane = before;
-  if (spreadGaps(chart, plane)) return true;
-  plane = before;
+  for (const bool first_flat : {true, false}) {
+    const bool is_mended = (first_flat && drawCrossingsFlat(chart, plane)) || spreadGaps(chart, plane);
+    if (is_mended && survivesRounding(chart, plane)) return true;
+    plane = before;
+  }
   return false;
 }
 

@@ -111,6 +111,20 @@ TEST(UncrossBorders, TurnsSmallHolesTheRightWay) {
   EXPECT_LT(plate.l2(), 1.05);
 }
 
+// A hole that is open exactly, and closed on the next grid: floats would turn it inside out when the atlas is
+// packed.
+TEST(UncrossBorders, WidensHolesThatRoundingWouldClose) {
+  Plate plate(squares(kSide, kSide, [](std::uint32_t i, std::uint32_t j) { return i == 6 && j == 6; }));
+  const double width = 1e-8;
+  plate.at(6, 6) += plate.unit * Vec2(0.5 - width, 0.5 - width);
+  plate.at(7, 7) -= plate.unit * Vec2(0.5 - width, 0.5 - width);
+  ASSERT_TRUE(isInjective(plate.chart, plate.plane));
+  ASSERT_FALSE(survivesRounding(plate.chart, plate.plane));
+  EXPECT_TRUE(uncrossBorders(plate.chart, plate.plane));
+  EXPECT_TRUE(isInjective(plate.chart, plate.plane));
+  EXPECT_TRUE(survivesRounding(plate.chart, plate.plane));
+}
+
 TEST(UncrossBorders, LeavesPartsThatLieOnEachOtherAlone) {
   Plate plate(squares(60, 2, kNoneLeftOut));
   for (Vec2& p : plate.plane) {
