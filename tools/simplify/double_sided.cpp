@@ -13,14 +13,14 @@ std::uint64_t addBacks(formats::TriangleMesh& mesh) {
 }
 
 std::uint64_t addBacksTo(formats::TriangleMesh& mesh, const std::vector<std::uint8_t>& has_back) {
-  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> back_of(mesh.vertexCount(), kNone);
+  constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> back_of(mesh.vertexCount(), kNoVertex);
   const std::size_t fronts = mesh.triangleCount();
   for (std::size_t t = 0; t < fronts; ++t) {
     if (has_back[t] == 0) continue;
     formats::Triangle back = mesh.triangles[t];
     for (std::uint32_t& v : back) {
-      if (back_of[v] == kNone) {
+      if (back_of[v] == kNoVertex) {
         back_of[v] = static_cast<std::uint32_t>(mesh.vertexCount());
         mesh.positions.push_back(formats::Float3(mesh.positions[v]));
         const formats::Float3 normal = mesh.normals[v];
