@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "formats/field_list.h"
 #include "formats/mesh_ply.h"
 
 namespace bakelight::formats {
@@ -273,21 +274,27 @@ std::vector<float> flattened(const std::vector<Vector>& vectors) {
   return values;
 }
 
-void compareGlossy(Comparison& comparison, const RadianceTransfer& transfer,
-                   const RadianceTransfer& reference, const CompareLimits& limits) {
-  agree(comparison, "storage", std::string(nameOf(transfer.storage)), std::string(nameOf(reference.storage)));
-  agree(comparison, "row order", transfer.row_order, reference.row_order);
-  compareLists(comparison, "tangents", flattened(transfer.tangents), flattened(reference.tangents), limits);
-  compareTables(comparison, "matrices", transfer.matrices, reference.matrices, limits);
-  compareTables(comparison, "basis", transfer.basis, reference.basis, limits);
-  agree(comparison, "clusters", transfer.clusters, reference.clusters);
-  const GlossyMaterial &material = transfer.material, &expected = reference.material;
-  agree(comparison, "lobe", std::string(nameOf(material.model)), std::string(nameOf(expected.model)));
-  agree(comparison, "exponent", material.exponent, expected.exponent);
-  agree(comparison, "roughness", material.roughness, expected.roughness);
-  agree(comparison, "specular color", material.specular_color, expected.specular_color);
-  agree(comparison, "BRDF angles", material.table.angles, expected.table.angles);
-  compareLists(comparison, "BRDF", material.table.values, expected.table.values, limits);
+// Fields of the same name; whoever has one that the other lacks differs.
+void compareParts(Comparison& comparison, const std::string& name, const Part& part, const Part& reference,
+                  const CompareLimits& limits) {
+  if (!agree(comparison, name + " kind", std::string(part.kind()), std::string(reference.kind()))) return;
+  const std::vector<FieldValue> fields = fieldsOf(part), expected = fieldsOf(reference);
+  const auto namesOfFields = [](const std::vector<FieldValue>& list) {
+    std::vector<std::string> names;
+    for (const FieldValue& field : list) names.push_back(field.name);
+    return names;
+  };
+  if (!agree(comparison, name + " fields", namesOfFields(fields), namesOfFields(expected))) return;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const std::string label = name + " " + fields[i].name;
+    if (fields[i].isPlain()) {
+      agree(comparison, label, fields[i].plain, expected[i].plain);
+    } else if (fields[i].table != nullptr) {
+      compareTables(comparison, label, *fields[i].table, *expected[i].table, limits);
+    } else {
+      compareLists(comparison, label, fields[i].values, expected[i].values, limits);
+    }
+  }
 }
 
 void compareMaterials(Comparison& comparison, const TriangleMesh& mesh, const TriangleMesh& reference,
@@ -401,17 +408,17 @@ Comparison compareJson(const Json& json, const Json& reference, const CompareLim
 Comparison comparePacks(const Pack& pack, const Pack& reference, const CompareLimits& limits) {
   Comparison comparison = compareMeshes(pack.mesh, reference.mesh, limits);
   agree(comparison, "name", pack.name, reference.name);
-  agree(comparison, "base color", pack.base_color, reference.base_color);
   compareLists(comparison, "colors", flattened(pack.colors), flattened(reference.colors), limits);
-  const RadianceTransfer &transfer = pack.transfer, &expected = reference.transfer;
-  agree(comparison, "order", transfer.order, expected.order);
-  agree(comparison, "transport", transfer.transport, expected.transport);
-  agree(comparison, "channels", transfer.channels, expected.channels);
-  compareTables(comparison, "transfer", transfer.vectors, expected.vectors, limits);
-  agree(comparison, "sphere", std::pair(transfer.sphere_center, transfer.sphere_radius),
-        std::pair(expected.sphere_center, expected.sphere_radius));
-  compareTables(comparison, "near transfer", transfer.near_vectors, expected.near_vectors, limits);
-  compareGlossy(comparison, transfer, expected, limits);
+  compareParts(comparison, "transfer", pack.transfer, reference.transfer, limits);
+  if (!agree(comparison, "materials", pack.appearances.size(), reference.appearances.size()))
+    return comparison;
+  for (std::size_t i = 0; i < pack.appearances.size(); ++i) {
+    const Appearance &appearance = pack.appearances[i], &expected = reference.appearances[i];
+    const std::string name = "material " + std::to_string(i);
+    agree(comparison, name + " name", appearance.material, expected.material);
+    agree(comparison, name + " base color", appearance.base_color, expected.base_color);
+    compareParts(comparison, name, appearance.reflection, expected.reflection, limits);
+  }
   return comparison;
 }
 

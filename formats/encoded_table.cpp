@@ -61,14 +61,14 @@ float stepOf(float least, float greatest) {
   return std::nextafter(step, std::numeric_limits<float>::infinity());
 }
 
-void encodeHalves(std::span<const float> values, EncodedTable& table) {
+void encodeHalves(std::span<const float> values, Bytes& data) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::uint16_t bits = halfBits(values[i]);
-    std::memcpy(table.data.data() + i * sizeof bits, &bits, sizeof bits);
+    std::memcpy(data.data() + i * sizeof bits, &bits, sizeof bits);
   }
 }
 
-void encodeCodes(std::span<const float> values, EncodedTable& table) {
+void encodeCodes(std::span<const float> values, EncodedTable& table, Bytes& data) {
   std::vector<float> greatest(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(table.columns));
   table.offset = greatest;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -82,7 +82,7 @@ void encodeCodes(std::span<const float> values, EncodedTable& table) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double scale = table.scale[i % table.columns], offset = table.offset[i % table.columns];
     const double code = scale > 0 ? std::round((values[i] - offset) / scale) : 0;
-    table.data[i] = static_cast<std::byte>(static_cast<std::uint8_t>(code));
+    data[i] = static_cast<std::byte>(static_cast<std::uint8_t>(code));
   }
 }
 
@@ -146,11 +146,12 @@ EncodedTable encodeTable(std::span<const float> values, std::size_t columns, Pre
   }
   checkValues(values, columns, precision, file, what);
   EncodedTable table{precision, values.size() / columns, columns, {}, {}, {}};
-  table.data.resize(values.size() * bytesPerValue(precision));
+  Bytes data(values.size() * bytesPerValue(precision));
   if (values.empty()) return table;
-  if (precision == Precision::kFloat32) std::memcpy(table.data.data(), values.data(), table.data.size());
-  if (precision == Precision::kFloat16) encodeHalves(values, table);
-  if (precision == Precision::kUint8) encodeCodes(values, table);
+  if (precision == Precision::kFloat32) std::memcpy(data.data(), values.data(), data.size());
+  if (precision == Precision::kFloat16) encodeHalves(values, data);
+  if (precision == Precision::kUint8) encodeCodes(values, table, data);
+  table.data = std::move(data);
   return table;
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/file.h"
+#include "formats/shared_bytes.h"
 
 namespace bakelight::formats {
 
@@ -24,7 +24,7 @@ Precision precisionNamed(const std::string& name);
 struct EncodedTable {
   Precision precision = Precision::kFloat32;
   std::size_t rows = 0, columns = 0;
-  Bytes data;                        // rows · columns · bytesPerValue
+  SharedBytes data;                  // rows · columns · bytesPerValue
   std::vector<float> scale, offset;  // a column; kUint8 only
 
   bool empty() const { return rows == 0; }

@@ -149,6 +149,15 @@ Bytes GlbWriter::finish(Json document, const std::string& file) const {
 
 GlbReader::GlbReader(std::span<const std::byte> bytes, std::string file)
     : bytes_(bytes), file_(std::move(file)) {
+  readAll();
+}
+
+GlbReader::GlbReader(std::shared_ptr<const MappedFile> mapping, std::string file)
+    : mapping_(std::move(mapping)), bytes_(mapping_->bytes()), file_(std::move(file)) {
+  readAll();
+}
+
+void GlbReader::readAll() {
   readChunks();
   readSections();
   checkPadding();
@@ -249,8 +258,11 @@ void GlbReader::readSections() {
                   "an offset that is a multiple of 16, inside the chunk");
     }
     const auto bytes = binary_.subspan(offset, size);
+    const std::string checksum = checksumHex(bytes, [this](std::span<const std::byte> read) {
+      if (mapping_) mapping_->release(read);
+    });
     PackSection section{textAt(view + "/name"), static_cast<std::uint64_t>(bytes.data() - bytes_.data()),
-                        size, checksumHex(bytes)};
+                        size, checksum};
     if (section.checksum != textAt(entry + "/checksum")) {
       throw badInput({file_, "section " + section.name, view}, "its checksum is wrong",
                      textAt(entry + "/checksum"), kDamagedRemedy);
@@ -322,6 +334,11 @@ std::span<const std::byte> GlbReader::sectionAt(const std::string& pointer) cons
                 "less than " + std::to_string(sections_.size()));
   }
   return bytes_.subspan(sections_[index].offset_bytes, sections_[index].size_bytes);
+}
+
+SharedBytes GlbReader::shared(std::span<const std::byte> part) const {
+  if (mapping_) return {part, mapping_};
+  return Bytes(part.begin(), part.end());
 }
 
 }  // namespace bakelight::formats

@@ -14,6 +14,7 @@
 #include "formats/error.h"
 #include "formats/file.h"
 #include "formats/json.h"
+#include "formats/mapped_file.h"
 #include "formats/pack.h"
 
 namespace bakelight::formats {
@@ -51,6 +52,8 @@ class GlbReader {
  public:
   // Throws Error(kBadInput); see decodePack. `bytes` must outlive the reader.
   GlbReader(std::span<const std::byte> bytes, std::string file);
+  // Of a whole file, whose memory is given back after each section's check.
+  GlbReader(std::shared_ptr<const MappedFile> mapping, std::string file);
 
   bool has(const std::string& pointer) const;
   const Json& at(const std::string& pointer) const;
@@ -65,6 +68,8 @@ class GlbReader {
   const std::vector<PackSection>& sections() const { return sections_; }
   // The bytes of the bufferView whose index stands at `pointer`.
   std::span<const std::byte> sectionAt(const std::string& pointer) const;
+  // Part of the file, to outlive the reader: the mapping itself, or else a copy.
+  SharedBytes shared(std::span<const std::byte> part) const;
 
   // `what` is wrong with the section whose index stands at `pointer` (which sectionAt must have accepted).
   Error sectionError(const std::string& pointer, const std::string& what, const std::string& expected) const;
@@ -73,12 +78,14 @@ class GlbReader {
               const std::string& remedy = "") const;
 
  private:
+  void readAll();
   void readChunks();
   void readVersion();
   void checkJsonChunk(std::span<const std::byte> chunk) const;
   void readSections();
   void checkPadding() const;
 
+  std::shared_ptr<const MappedFile> mapping_;  // null: of bytes
   std::span<const std::byte> bytes_, binary_;
   std::string file_;
   int version_ = 0;

@@ -3,6 +3,7 @@
 #define XXH_INLINE_ALL  // one header-only copy; no symbol clash with other libraries' xxHash
 #include <xxhash.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <fstream>
@@ -55,6 +56,19 @@ std::uint64_t checksum64(std::span<const std::byte> bytes) {
 
 std::string checksumHex(std::span<const std::byte> bytes) {
   return hexDigits(checksum64(bytes));
+}
+
+std::string checksumHex(std::span<const std::byte> bytes,
+                        const std::function<void(std::span<const std::byte>)>& after_block) {
+  constexpr std::size_t kBlock = std::size_t{1} << 24;
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
+  XXH3_64bits_reset(state.get());
+  for (std::size_t first = 0; first < bytes.size(); first += kBlock) {
+    const auto block = bytes.subspan(first, std::min(kBlock, bytes.size() - first));
+    XXH3_64bits_update(state.get(), block.data(), block.size());
+    after_block(block);
+  }
+  return hexDigits(XXH3_64bits_digest(state.get()));
 }
 
 }  // namespace bakelight::formats

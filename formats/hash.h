@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,5 +23,8 @@ std::string contentHashOfFile(const std::filesystem::path& path);
 // XXH3-64, and its 16 lowercase hex digits.
 std::uint64_t checksum64(std::span<const std::byte> bytes);
 std::string checksumHex(std::span<const std::byte> bytes);
+// The same in blocks, each of which is handed over after it was read.
+std::string checksumHex(std::span<const std::byte> bytes,
+                        const std::function<void(std::span<const std::byte>)>& after_block);
 
 }  // namespace bakelight::formats

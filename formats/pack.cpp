@@ -43,7 +43,9 @@ void writePack(const std::filesystem::path& path, const Pack& pack, const PackOp
 }
 
 Pack readPack(const std::filesystem::path& path) {
-  return decodePack(readFile(path), path.string());
+  Pack pack = decodeUncheckedPack(GlbReader(MappedFile::open(path), path.string()));
+  checkPack(pack, path.string());
+  return pack;
 }
 
 std::vector<PackSection> packSections(std::span<const std::byte> bytes, const std::string& file) {

@@ -13,7 +13,7 @@
 
 namespace bakelight::formats {
 
-inline constexpr int kPackVersion = 2;
+inline constexpr int kPackVersion = 3;
 
 struct PackOptions {
   bool draco = false;     // KHR_draco_mesh_compression; the tables are permuted so as to stay in step
@@ -30,6 +30,8 @@ Bytes encodePack(const Pack& pack, const PackOptions& options, const std::string
 Pack decodePack(std::span<const std::byte> bytes, const std::string& file);
 
 void writePack(const std::filesystem::path& path, const Pack& pack, const PackOptions& options);  // atomic
+// Tables of the pack point into the file, which stays mapped with them: opening takes the mesh's memory, and
+// that of tables as they are read.
 Pack readPack(const std::filesystem::path& path);
 
 // What lies where, for inspect and the docs.

@@ -15,10 +15,6 @@ namespace {
 constexpr float kUnitTolerance = 1e-3F;
 constexpr std::uint16_t kHalfExponent = 0x7C00;
 
-std::size_t squared(int order) {
-  return static_cast<std::size_t>(order) * static_cast<std::size_t>(order);
-}
-
 template <std::size_t N>
 bool isFinite(const std::array<float, N>& values) {
   return std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
@@ -37,24 +33,168 @@ bool isReflectance(const Float3& color) {
   return std::all_of(color.begin(), color.end(), [](float value) { return value >= 0 && value <= 1; });
 }
 
+// Judges the fields of a part by what its list says of them.
+class FieldChecker final : public FieldVisitor {
+ public:
+  FieldChecker(const TriangleMesh& mesh, const std::string& file, std::string part)
+      : mesh_(mesh), file_(file), part_(std::move(part)) {}
+
+  void integer(const char* name, int& value, const Range& range) override {
+    checkRange(name, value, std::to_string(value), range);
+  }
+  void number(const char* name, float& value, const Range& range) override {
+    checkRange(name, value, std::to_string(value), range);
+  }
+  void vector(const char* name, Float3& value, const Range& range) override {
+    for (const float component : value) checkRange(name, component, std::to_string(component), range);
+  }
+  void choice(const char* name, int& value, std::span<const char* const> names) override {
+    require(value >= 0 && static_cast<std::size_t>(value) < names.size(), name, "there is no such choice",
+            "less than " + std::to_string(names.size()), "");
+  }
+  void constant(const char*, const char*) override {}
+
+  void table(const char* name, EncodedTable& table, Rows rows, std::size_t columns) override {
+    const std::string element = std::string("section ") + name;
+    const std::size_t expected = rows == Rows::kVertex ? mesh_.vertexCount() : table.rows;
+    const std::string shape = rows == Rows::kVertex ? std::to_string(expected) + " vertices × " +
+                                                          std::to_string(columns) + " values"
+                                                    : "rows of " + std::to_string(columns) + " values";
+    if (table.rows != expected || table.columns != columns) {
+      throw error(element,
+                  "it has " + std::to_string(table.rows) + " rows of " + std::to_string(table.columns), shape,
+                  "bake the transfer again, for this mesh");
+    }
+    checkTable(element, table, shape);
+  }
+  void floats(const char* name, std::vector<float>& values, std::size_t count) override {
+    const std::string element = std::string("section ") + name;
+    if (values.size() != count)
+      throw error(element, "it has " + std::to_string(values.size()) + " values", std::to_string(count));
+    for (std::size_t i = 0; i < count; ++i)
+      if (!std::isfinite(values[i]))
+        throw error(element, "value " + std::to_string(i) + " is not finite", "a number");
+  }
+  void indices(const char* name, std::vector<std::uint32_t>& values, std::size_t end) override {
+    const std::string element = std::string("section ") + name;
+    checkCount(element, values.size());
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (values[i] >= end)
+        throw error(element + ", vertex " + std::to_string(i), "it is " + std::to_string(values[i]),
+                    "less than " + std::to_string(end));
+  }
+  void tangents(const char* name, std::vector<Float4>& values) override {
+    checkCount(name, values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const Float4& t = values[i];
+      const Float3 tangent = {t[0], t[1], t[2]};
+      const std::string element = name + std::string(", vertex ") + std::to_string(i);
+      if (!isUnit(tangent) || std::abs(t[3]) != 1)
+        throw error(element, "it is no unit vector with a sign", "length 1, and 1 or -1");
+      if (!(std::abs(dot(tangent, mesh_.normals[i])) <= kUnitTolerance))
+        throw error(element, "it is not at right angles to the normal", "a frame of the same mesh");
+    }
+  }
+  void image(const char* name, PackImage& image) override {
+    const std::string element = std::string("section ") + name;
+    const auto texels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+    const std::string shape = std::to_string(image.width) + " × " + std::to_string(image.height) +
+                              " texels of " + std::to_string(image.channels.size()) + " channels";
+    if (image.width < 1 || image.height < 1 || image.channels.empty() || image.texels.rows != texels ||
+        image.texels.columns != image.channels.size())
+      throw error(element,
+                  "it has " + std::to_string(image.texels.rows) + " texels of " +
+                      std::to_string(image.texels.columns),
+                  shape);
+    checkTable(element, image.texels, shape);
+  }
+
+  bool open(const char* name, bool is_there) override {
+    if (is_there) groups_.emplace_back(name);
+    return is_there;
+  }
+  void close() override { groups_.pop_back(); }
+
+  void require(bool holds, const char* name, const std::string& what, const std::string& expected,
+               const std::string& remedy) override {
+    if (!holds) throw error(elementOf(name), what, expected, remedy);
+  }
+
+ private:
+  Error error(const std::string& element, const std::string& what, const std::string& expected,
+              const std::string& remedy = "") const {
+    return badInput({file_, element, ""}, what, expected, remedy);
+  }
+  std::string elementOf(const char* name) const {
+    std::string element = part_;
+    for (const std::string& group : groups_) element += ", " + group;
+    return element + ", " + name;
+  }
+  void checkRange(const char* name, double value, const std::string& text, const Range& range) const {
+    if (!range.holds(value)) throw error(elementOf(name), "it is " + text, textOf(range));
+  }
+  void checkCount(const std::string& element, std::size_t count) const {
+    if (count == mesh_.vertexCount()) return;
+    throw error(element, "it has " + std::to_string(count) + " entries",
+                "one for each of the " + std::to_string(mesh_.vertexCount()) + " vertices");
+  }
+
+  void checkTable(const std::string& element, const EncodedTable& table, const std::string& shape) const {
+    const auto bytes = checkedProduct({table.rows, table.columns, bytesPerValue(table.precision)});
+    const std::size_t ranges = table.precision == Precision::kUint8 ? table.columns : 0;
+    if (!bytes || table.data.size() != *bytes || table.scale.size() != ranges ||
+        table.offset.size() != ranges) {
+      throw error(element, "its data do not have the size that rows, columns and precision ask for", shape);
+    }
+    checkFinite(table, element);
+  }
+
+  void checkFinite(const EncodedTable& table, const std::string& element) const {
+    const auto notFinite = [&](std::size_t i) {
+      return error(element + ", row " + std::to_string(i / table.columns),
+                   "value " + std::to_string(i % table.columns) + " is not finite", "a number");
+    };
+    for (std::size_t i = 0; i < table.scale.size(); ++i) {
+      if (!std::isfinite(table.offset[i] + table.scale[i] * 255) || !std::isfinite(table.offset[i]))
+        throw error(element + ", column " + std::to_string(i), "its range is not finite", "numbers");
+    }
+    const std::size_t count = table.rows * table.columns;
+    for (std::size_t i = 0; i < count && table.precision == Precision::kFloat32; ++i) {
+      float value;
+      std::memcpy(&value, table.data.data() + i * sizeof value, sizeof value);
+      if (!std::isfinite(value)) throw notFinite(i);
+    }
+    for (std::size_t i = 0; i < count && table.precision == Precision::kFloat16; ++i) {
+      std::uint16_t bits;
+      std::memcpy(&bits, table.data.data() + i * sizeof bits, sizeof bits);
+      if ((bits & kHalfExponent) == kHalfExponent) throw notFinite(i);
+    }
+  }
+
+  const TriangleMesh& mesh_;
+  const std::string& file_;
+  std::string part_;
+  std::vector<std::string> groups_;
+};
+
 class Checker {
  public:
-  Checker(const Pack& pack, const std::string& file)
-      : mesh_(pack.mesh), transfer_(pack.transfer), pack_(pack), file_(file) {}
+  Checker(const Pack& pack, const std::string& file) : mesh_(pack.mesh), pack_(pack), file_(file) {}
 
   void check() const {
     checkMeshSizes();
     checkVertices();
     checkTriangles();
     checkColors();
-    checkDiffuse();
-    checkNearField();
-    if (transfer_.storage == MatrixStorage::kNone) {
-      checkNothingGlossy();
-    } else {
-      checkFrames();
-      checkMatrices();
-      checkMaterial();
+    checkAppearances();
+    // Field lists are for reading and writing; these visitors only look.
+    auto& pack = const_cast<Pack&>(pack_);
+    FieldChecker transfer(mesh_, file_, "transfer");
+    pack.transfer.describe(transfer);
+    for (std::size_t i = 0; i < pack.appearances.size(); ++i) {
+      FieldChecker reflection(mesh_, file_, "material " + std::to_string(i));
+      pack.appearances[i].reflection.describe(reflection);
+      checkCombination(pack.appearances[i].reflection, "material " + std::to_string(i));
     }
   }
 
@@ -109,7 +249,6 @@ class Checker {
   }
 
   void checkColors() const {
-    if (!isReflectance(pack_.base_color)) throw error("base colour", "it is out of range", "0 to 1");
     if (pack_.colors.empty()) return;
     checkCount("colors", pack_.colors.size());
     for (std::size_t i = 0; i < pack_.colors.size(); ++i) {
@@ -118,187 +257,48 @@ class Checker {
     }
   }
 
-  // `expected` says in words what rows × columns are.
-  void checkTable(const EncodedTable& table, std::size_t rows, std::size_t columns,
-                  const std::string& section, const std::string& expected) const {
-    if (table.rows != rows || table.columns != columns) {
-      throw error("section " + section,
-                  "it has " + std::to_string(table.rows) + " rows of " + std::to_string(table.columns),
-                  expected, "bake the transfer again, for this mesh");
-    }
-    const auto bytes = checkedProduct({rows, columns, bytesPerValue(table.precision)});
-    const std::size_t ranges = table.precision == Precision::kUint8 ? columns : 0;
-    if (!bytes || table.data.size() != *bytes || table.scale.size() != ranges ||
-        table.offset.size() != ranges) {
-      throw error("section " + section,
-                  "its data do not have the size that rows, columns and precision ask for", expected);
-    }
-    checkFinite(table, section);
-  }
-
-  void checkFinite(const EncodedTable& table, const std::string& section) const {
-    const auto notFinite = [&](std::size_t i) {
-      return error("section " + section + ", row " + std::to_string(i / table.columns),
-                   "value " + std::to_string(i % table.columns) + " is not finite", "a number");
-    };
-    for (std::size_t i = 0; i < table.scale.size(); ++i) {
-      if (!std::isfinite(table.offset[i] + table.scale[i] * 255) || !std::isfinite(table.offset[i])) {
-        throw error("section " + section + ", column " + std::to_string(i), "its range is not finite",
-                    "numbers");
-      }
-    }
-    const std::size_t count = table.rows * table.columns;
-    for (std::size_t i = 0; i < count && table.precision == Precision::kFloat32; ++i) {
-      float value;
-      std::memcpy(&value, table.data.data() + i * sizeof value, sizeof value);
-      if (!std::isfinite(value)) throw notFinite(i);
-    }
-    for (std::size_t i = 0; i < count && table.precision == Precision::kFloat16; ++i) {
-      std::uint16_t bits;
-      std::memcpy(&bits, table.data.data() + i * sizeof bits, sizeof bits);
-      if ((bits & kHalfExponent) == kHalfExponent) throw notFinite(i);
+  void checkAppearances() const {
+    const std::size_t count = pack_.appearances.size();
+    if (count == 0) throw error("materials", "there is none", "one or more");
+    for (std::size_t i = 0; i < count; ++i)
+      if (!isReflectance(pack_.appearances[i].base_color))
+        throw error("material " + std::to_string(i), "its base colour is out of range", "0 to 1");
+    if (count == 1) return;
+    std::vector<std::size_t> triangles(count);
+    if (mesh_.triangle_materials.size() != mesh_.triangleCount())
+      throw error("materials", "triangles do not say which they have", "an index a triangle");
+    for (const std::uint32_t material : mesh_.triangle_materials)
+      if (material >= count)
+        throw error("materials", "there is no material " + std::to_string(material),
+                    "less than " + std::to_string(count));
+      else
+        ++triangles[material];
+    for (std::size_t i = 0; i < count; ++i)
+      if (triangles[i] == 0)
+        throw error("material " + std::to_string(i), "no triangle has it", "one or more");
+    try {
+      appearanceRanges(pack_);
+    } catch (const std::invalid_argument& problem) {
+      throw error("materials", problem.what(), "vertices in the order of materials, none shared by two");
     }
   }
 
-  std::string perVertex(std::size_t values, const std::string& what) const {
-    return std::to_string(mesh_.vertexCount()) + " vertices × " + std::to_string(values) + " " + what;
-  }
-
-  void checkOrder(int order, const char* element) const {
-    if (order < 1 || order > kMaxOrder) throw error(element, "it is " + std::to_string(order), "1 to 10");
-  }
-
-  std::size_t channels() const { return static_cast<std::size_t>(transfer_.channels); }
-
-  void checkDiffuse() const {
-    checkOrder(transfer_.order, "order of the transfer");
-    if (transfer_.transport != "unshadowed" && transfer_.transport != "shadowed" &&
-        transfer_.transport != "interreflected") {
-      throw error("transfer", "its transport is '" + transfer_.transport + "'",
-                  "unshadowed, shadowed or interreflected");
-    }
-    if (transfer_.channels != 1 && transfer_.channels != 3) {
-      throw error("transfer", "it has " + std::to_string(transfer_.channels) + " channels", "1 or 3");
-    }
-    const std::size_t values = channels() * squared(transfer_.order);
-    checkTable(transfer_.vectors, mesh_.vertexCount(), values, "transfer", perVertex(values, "coefficients"));
-  }
-
-  void checkNearField() const {
-    if (transfer_.near_vectors.empty()) return;
-    if (!isFinite(transfer_.sphere_center) || !std::isfinite(transfer_.sphere_radius) ||
-        !(transfer_.sphere_radius > 0)) {
-      throw error("near field", "its sphere has no finite centre and radius", "a radius above 0");
-    }
-    const std::size_t values = channels() * squared(transfer_.order);
-    checkTable(transfer_.near_vectors, mesh_.vertexCount(), values, "nearTransfer",
-               perVertex(values, "coefficients"));
-  }
-
-  void checkNothingGlossy() const {
-    const auto& t = transfer_;
-    if (t.row_order == 0 && t.tangents.empty() && t.matrices.empty() && t.clusters.empty() &&
-        t.basis.empty() && t.material.model == LobeModel::kNone) {
+  // What reflects transferred radiance needs the operator that transfers it.
+  void checkCombination(const PackPart& reflection, const std::string& element) const {
+    const auto* table = reflection.as<BrdfTable>();
+    if (table == nullptr && reflection.as<PhongLobe>() == nullptr && reflection.as<GgxLobe>() == nullptr)
       return;
-    }
-    throw error("transfer", "a diffuse pack has no matrices, tangents or lobe",
-                "storage none with none of them");
-  }
-
-  void checkFrames() const {
-    checkCount("tangents", transfer_.tangents.size());
-    for (std::size_t i = 0; i < transfer_.tangents.size(); ++i) {
-      const Float4& t = transfer_.tangents[i];
-      const Float3 tangent = {t[0], t[1], t[2]};
-      const std::string element = "tangents, vertex " + std::to_string(i);
-      if (!isUnit(tangent) || std::abs(t[3]) != 1) {
-        throw error(element, "it is no unit vector with a sign", "length 1, and 1 or -1");
-      }
-      if (!(std::abs(dot(tangent, mesh_.normals[i])) <= kUnitTolerance)) {
-        throw error(element, "it is not at right angles to the normal", "a frame of the same mesh");
-      }
-    }
-  }
-
-  void checkMatrices() const {
-    checkOrder(transfer_.row_order, "row order of the transfer");
-    const std::size_t matrix = channels() * squared(transfer_.row_order) * squared(transfer_.order);
-    const char* section = matrixSection(transfer_.storage);
-    if (transfer_.storage == MatrixStorage::kCpca) {
-      checkClusters(matrix);
-      return;
-    }
-    if (!transfer_.clusters.empty() || !transfer_.basis.empty()) {
-      throw error("transfer", "it has clusters", "storage cpca, or none of them");
-    }
-    if (transfer_.storage == MatrixStorage::kMatrix) {
-      checkTable(transfer_.matrices, mesh_.vertexCount(), matrix, section, perVertex(matrix, "values"));
-      return;
-    }
-    if (transfer_.channels != 1) {
-      throw error("transfer", "visibility has no colour", "1 channel", "store matrices, or cpca");
-    }
-    const std::size_t values = squared(transfer_.row_order + transfer_.order - 1);
-    checkTable(transfer_.matrices, mesh_.vertexCount(), values, section, perVertex(values, "coefficients"));
-  }
-
-  void checkClusters(std::size_t matrix) const {
-    const std::size_t weights = transfer_.matrices.columns, per_cluster = weights + 1;
-    if (weights == 0) throw error("section weights", "it has no column", "one weight a vertex or more");
-    checkTable(transfer_.matrices, mesh_.vertexCount(), weights, "weights", perVertex(weights, "weights"));
-    if (transfer_.basis.empty() || transfer_.basis.rows % per_cluster != 0) {
-      throw error("section basis", "it has " + std::to_string(transfer_.basis.rows) + " rows",
-                  "a multiple of " + std::to_string(per_cluster) + ", a mean and " + std::to_string(weights) +
-                      " matrices a cluster");
-    }
-    checkTable(transfer_.basis, transfer_.basis.rows, matrix, "basis",
-               "matrices of " + std::to_string(matrix) + " values");
-    checkCount("clusters", transfer_.clusters.size());
-    const std::size_t count = transfer_.basis.rows / per_cluster;
-    for (std::size_t i = 0; i < transfer_.clusters.size(); ++i) {
-      if (transfer_.clusters[i] < count) continue;
-      throw error("section clusters, vertex " + std::to_string(i),
-                  "there is no cluster " + std::to_string(transfer_.clusters[i]),
-                  "less than " + std::to_string(count));
-    }
-  }
-
-  void checkMaterial() const {
-    const GlossyMaterial& material = transfer_.material;
-    if (!isReflectance(material.specular_color))
-      throw error("material", "its specular colour is out of range", "0 to 1");
-    if (material.model == LobeModel::kPhong &&
-        !(material.exponent >= 0 && std::isfinite(material.exponent))) {
-      throw error("material", "its exponent is out of range", "0 or more");
-    }
-    if (material.model == LobeModel::kGgx && !(material.roughness >= 0 && material.roughness <= 1)) {
-      throw error("material", "its roughness is out of range", "0 to 1");
-    }
-    if (material.model == LobeModel::kTable) checkBrdf(material.table);
-  }
-
-  void checkBrdf(const BrdfTable& table) const {
-    if (table.angles < 2 || table.angles > kMaxAngles)
-      throw error("section brdf", "it has " + std::to_string(table.angles) + " angles",
-                  "2 to " + std::to_string(kMaxAngles));
-    if (table.order < transfer_.row_order || table.order > kMaxOrder) {
-      throw error("section brdf", "its order is " + std::to_string(table.order),
-                  std::to_string(transfer_.row_order) + " (the matrices' row order) to 10",
+    const auto* transfer = pack_.transfer.as<ShTransfer>();
+    if (transfer == nullptr || !transfer->glossy)
+      throw error(element, std::string("reflection ") + reflection.kind() + " needs transfer matrices",
+                  "glossy transfer, or lambert");
+    if (table != nullptr && table->order < transfer->glossy->output_order)
+      throw error(element + ", brdf", "its order is " + std::to_string(table->order),
+                  std::to_string(transfer->glossy->output_order) + " (the transfer's output order) to 10",
                   "project the BRDF again at that order");
-    }
-    const auto count = checkedProduct({static_cast<std::uint64_t>(table.angles), 3, squared(table.order)});
-    if (table.values.size() != *count) {
-      throw error("section brdf", "it has " + std::to_string(table.values.size()) + " values",
-                  std::to_string(table.angles) + " angles × 3 × " + std::to_string(squared(table.order)));
-    }
-    for (std::size_t i = 0; i < table.values.size(); ++i) {
-      if (!std::isfinite(table.values[i]))
-        throw error("section brdf", "value " + std::to_string(i) + " is not finite", "a number");
-    }
   }
 
   const TriangleMesh& mesh_;
-  const RadianceTransfer& transfer_;
   const Pack& pack_;
   const std::string& file_;
 };
@@ -316,20 +316,6 @@ std::optional<std::uint64_t> checkedProduct(std::initializer_list<std::uint64_t>
     product *= factor;
   }
   return product;
-}
-
-const char* matrixSection(MatrixStorage storage) {
-  switch (storage) {
-    case MatrixStorage::kMatrix:
-      return "matrices";
-    case MatrixStorage::kVisibility:
-      return "visibility";
-    case MatrixStorage::kCpca:
-      return "weights";
-    case MatrixStorage::kNone:
-      break;
-  }
-  throw std::logic_error("a diffuse pack has no matrices");
 }
 
 }  // namespace bakelight::formats

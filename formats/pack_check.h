@@ -10,15 +10,12 @@
 
 namespace bakelight::formats {
 
-inline constexpr int kMaxOrder = 10, kMaxAngles = 65536;
+inline constexpr int kMaxAngles = 65536;
 
 // Throws Error(kBadInput) naming `file` and the section, vertex or triangle that is wrong.
 void checkPack(const Pack& pack, const std::string& file);
 
 // Empty if the product passes 64 bits.
 std::optional<std::uint64_t> checkedProduct(std::initializer_list<std::uint64_t> factors);
-
-// The section that holds `RadianceTransfer::matrices` of this storage: "matrices", "visibility" or "weights".
-const char* matrixSection(MatrixStorage storage);
 
 }  // namespace bakelight::formats

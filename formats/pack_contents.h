@@ -1,88 +1,162 @@
-// What a pack holds, as plain data: the mesh, its albedo and its radiance transfer.
+// What a pack holds, as plain data: the mesh, its radiance transfer, and what its materials make of it.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "formats/encoded_table.h"
+#include "formats/pack_part.h"
 #include "formats/triangle_mesh.h"
 
 namespace bakelight::formats {
 
-// How the transfer matrices of a glossy pack are stored (Sloan et al. 2002, section 5; Sloan et al. 2003b).
-enum class MatrixStorage {
-  kNone,        // a diffuse pack
-  kMatrix,      // one matrix a vertex
-  kVisibility,  // visibility as an SH vector of order rows + columns − 1; the triple product is taken at run
-                // time
-  kCpca  // clustered principal components: cluster mean + Σ_k weights[k] · basis[k]
-};
-const char* nameOf(MatrixStorage storage);  // "none", "matrix", "visibility", "cpca"
+inline constexpr int kMaxOrder = 10;  // bands of spherical harmonics
 
-// What turns transferred incident radiance into light towards the eye; added to the diffuse part.
-enum class LobeModel {
-  kNone,
-  kPhong,  // normalised cos^exponent around the reflection direction
-  kGgx,    // normalised GGX lobe around the reflection direction, alpha = roughness²
-  kTable   // any isotropic BRDF, projected (transport/glossy.h)
-};
-const char* nameOf(LobeModel model);  // "none", "phong", "ggx", "table"
+// ---- radiance transfer: what turns light into incident light
 
-// BRDF × clamped cosine of the incident direction, projected into SH of the local frame with the eye at
-// azimuth 0 (in the +x, z half plane). Row a: the eye at cos θ = a / (angles − 1).
-struct BrdfTable {
-  int angles = 0, order = 0;
-  std::vector<float> values;  // angles × 3 (RGB) × order²; coefficients with m < 0 are zero (isotropy)
+enum class Transport { kUnshadowed, kShadowed, kInterreflected };
+// "unshadowed", "shadowed", "interreflected", in the order of the enumerators.
+inline constexpr std::array<const char*, 3> kTransportNames = {"unshadowed", "shadowed", "interreflected"};
+inline const char* nameOf(Transport transport) {
+  return kTransportNames[static_cast<std::size_t>(transport)];
+}
+
+// Transfer of light on a virtual sphere (Fujita & Kanai 2004): light[i] are coefficients of what is seen from
+// `center`.
+struct NearField {
+  Float3 center = {0, 0, 0};
+  float radius = 0;
+  EncodedTable vectors;  // n × (channels · order²)
 };
 
-struct GlossyMaterial {
-  LobeModel model = LobeModel::kNone;
-  float exponent = 0;                 // kPhong, ≥ 0
-  float roughness = 0;                // kGgx, 0–1
-  Float3 specular_color = {1, 1, 1};  // kPhong, kGgx: reflectance of the lobe, 0–1
-  BrdfTable table;                    // kTable; its order is at least row_order
+// Representations of transfer matrices (Sloan et al. 2002, section 5; Sloan et al. 2003b).
+struct MatrixOperator {
+  EncodedTable matrices;  // n × (channels · output_order² · order²), row-major
+};
+struct VisibilityOperator {
+  EncodedTable visibility;  // n × (output_order + order − 1)²: visibility as an SH vector in the object's
+                            // frame; the triple product is taken at run time, 1 channel
+};
+// Clustered principal components: matrix = mean of the cluster + Σ_k weights[k] · basis[k].
+struct ClusteredOperator {
+  EncodedTable weights;                 // n × weights a vertex
+  std::vector<std::uint32_t> clusters;  // of each vertex
+  // (clusters · (1 + weights a vertex)) × (channels · output_order² · order²): of each its mean, then its
+  // basis.
+  EncodedTable basis;
+};
+using Operator = std::variant<MatrixOperator, VisibilityOperator, ClusteredOperator>;
+// "matrix", "visibility", "cpca", in the order of the alternatives.
+inline constexpr std::array<const char*, 3> kOperatorNames = {"matrix", "visibility", "cpca"};
+
+// Transferred incident radiance, output_order² coefficients = operator · light, in the frame of each vertex:
+// tangents[v].xyz, bitangent = tangents[v].w · cross(normal, tangent), normal as local x, y, z; in the
+// object's frame for visibility.
+struct GlossyTransfer {
+  int output_order = 0;
+  std::vector<Float4> tangents;
+  Operator transfer;
+
+  const char* operatorName() const { return kOperatorNames[transfer.index()]; }
+  bool isInObjectFrame() const { return std::holds_alternative<VisibilityOperator>(transfer); }
+  // Matrices, visibility or weights: one row a vertex.
+  const EncodedTable& vertexTable() const;
+  EncodedTable& vertexTable();
 };
 
-// SH index l(l+1)+m throughout; `order` is that of the light. `channels` is 1, or 3 where interreflection was
-// coloured: then each table holds red, green and blue one after the other within a row.
-struct RadianceTransfer {
-  int order = 0;                       // bands of the incident light, 1–10
-  std::string transport = "shadowed";  // "unshadowed", "shadowed" or "interreflected"
-  int channels = 1;
+// Transfer of distant light in spherical harmonics, index l(l+1)+m.
+struct ShTransfer {
+  static constexpr const char* kKind = "sh";
+  void describe(FieldVisitor& fields);
 
+  int order = 0;  // bands of the incident light, 1–10
+  Transport transport = Transport::kShadowed;
+  int channels = 1;  // or 3 where interreflection was coloured: red, green and blue one after the other in
+                     // each row of a table
   // Diffuse vectors (Sloan et al. 2002, eq. 10), object frame: n × (channels · order²). Exit radiance of a
   // vertex = albedo × Σ_i vectors[i] · light[i]: 1/π is inside, the vertex's own albedo is not.
   EncodedTable vectors;
-  // The same for light on the virtual sphere (Fujita & Kanai 2004): light[i] are coefficients of what is seen
-  // from `sphere_center`. Empty without near field.
-  EncodedTable near_vectors;
-  Float3 sphere_center = {0, 0, 0};
-  float sphere_radius = 0;
-
-  // Glossy: transferred incident radiance in the local frame, row_order² coefficients = matrix · light.
-  // The frame is tangents[v].xyz, bitangent = tangents[v].w · cross(normal, tangent), normal as local x, y,
-  // z.
-  MatrixStorage storage = MatrixStorage::kNone;
-  int row_order = 0;
-  std::vector<Float4> tangents;
-  // kMatrix: n × (channels · row_order² · order²), matrices row-major.
-  // kVisibility: n × (row_order + order − 1)², object frame (channels must be 1).
-  // kCpca: n × weights a vertex.
-  EncodedTable matrices;
-  // kCpca: the cluster of each vertex, and (clusters · (1 + weights a vertex)) × (channels · row_order² ·
-  // order²) matrices: of each cluster its mean, then its basis.
-  std::vector<std::uint32_t> clusters;
-  EncodedTable basis;
-  GlossyMaterial material;
+  std::optional<NearField> near_field;
+  std::optional<GlossyTransfer> glossy;
 };
+
+// ---- reflection: what turns incident light into light towards the eye, beside the diffuse part
+
+struct LambertReflection {
+  static constexpr const char* kKind = "lambert";
+  void describe(FieldVisitor&) {}
+};
+
+// A normalised lobe cos^exponent around the reflection direction.
+struct PhongLobe {
+  static constexpr const char* kKind = "phong";
+  void describe(FieldVisitor& fields);
+
+  float exponent = 0;                 // ≥ 0
+  Float3 specular_color = {1, 1, 1};  // reflectance of the lobe, 0–1
+};
+
+// A normalised GGX lobe around the reflection direction, alpha = roughness².
+struct GgxLobe {
+  static constexpr const char* kKind = "ggx";
+  void describe(FieldVisitor& fields);
+
+  float roughness = 0;                // 0–1
+  Float3 specular_color = {1, 1, 1};  // reflectance of the lobe, 0–1
+};
+
+// Any isotropic BRDF × clamped cosine of the incident direction, projected into SH of the local frame with
+// the eye at azimuth 0, in the +x, z half plane (transport/glossy.h). Row a: the eye at cos θ = a / (angles −
+// 1).
+struct BrdfTable {
+  static constexpr const char* kKind = "table";
+  void describe(FieldVisitor& fields);
+
+  int angles = 0, order = 0;  // order: at least the transfer's output_order
+  std::vector<float> values;  // angles × 3 (RGB) × order²; coefficients with m < 0 are zero (isotropy)
+};
+
+// A material of the mesh: its name there, its share of the albedo, and its reflection.
+struct Appearance {
+  std::string material;
+  Float3 base_color = {1, 1, 1};  // diffuse albedo, linear, 0–1; multiplied by the pack's colours
+  PackPart reflection = LambertReflection{};
+};
+
+// ---- the pack
+
+// Kinds of parts that packs are read with. A technique adds its own here, or at the program's start.
+PackPartKinds& transferKinds();    // "sh"
+PackPartKinds& reflectionKinds();  // "lambert", "phong", "ggx", "table"
 
 struct Pack {
-  std::string name;               // of the asset
-  TriangleMesh mesh;              // with normals; its own colours are not written
-  Float3 base_color = {1, 1, 1};  // diffuse albedo, linear, 0–1; multiplied by `colors` where there are any
-  std::vector<Float3> colors;     // empty, or an albedo a vertex, linear, 0–1
-  RadianceTransfer transfer;
+  std::string name;  // of the asset
+  // With normals; its own colours are not written. With several appearances, `triangle_materials` are
+  // indices into them, each vertex belongs to one, and vertices are in their order.
+  TriangleMesh mesh;
+  std::vector<Float3> colors = {};  // empty, or an albedo a vertex, linear, 0–1
+  PackPart transfer = ShTransfer{};
+  std::vector<Appearance> appearances = {Appearance{}};  // one or more
+
+  // The transfer, which must be of this kind: else std::invalid_argument.
+  const ShTransfer& sh() const;
+  ShTransfer& sh();
 };
+
+// The vertices of each appearance: [first, end) for each, in order. Throws std::invalid_argument if a vertex
+// has two, or vertices are out of order. A vertex without triangle counts with those before it.
+struct VertexRange {
+  std::size_t first = 0, end = 0;
+  std::size_t count() const { return end - first; }
+};
+std::vector<VertexRange> appearanceRanges(const Pack& pack);
+
+// Row i of whatever there is one a vertex becomes that of vertex source_from_target[i]; so do the mesh's
+// positions, normals, texture coordinates and colours, and not its triangles.
+void permuteVertices(Pack& pack, std::span<const std::uint32_t> source_from_target);
 
 }  // namespace bakelight::formats

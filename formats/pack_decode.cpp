@@ -1,275 +1,232 @@
-#include <cstring>
+#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <optional>
 
-#include "formats/draco_mesh.h"
-#include "formats/pack_check.h"
-#include "formats/pack_layout.h"
+#include "formats/pack_reading.h"
 
 namespace bakelight::formats {
 namespace {
 
-const std::string kPrimitive = "/meshes/0/primitives/0";
-const std::string kExtension = kPrimitive + "/extensions/" + kTransferExtension;
+const std::string kMesh = "/meshes/0";
+const std::string kTransfer = kMesh + "/extensions/" + kTransferExtension;
 
-class PackReader {
+// Fills the fields of a part from its JSON. What is out of range is found by checkPack; here only what cannot
+// be read at all is refused.
+class FieldReader final : public FieldVisitor, private PackReading {
  public:
-  explicit PackReader(const GlbReader& glb) : glb_(glb) {}
+  // `pointer` is the part's object.
+  FieldReader(const GlbReader& glb, std::string pointer, const std::vector<Float4>& tangents)
+      : PackReading(glb), pointer_(std::move(pointer)), tangents_(tangents) {}
 
-  Pack read() const {
-    Pack pack;
-    pack.name = glb_.textAt("/meshes/0/name");
-    pack.base_color = float3At("/materials/0/pbrMetallicRoughness/baseColorFactor");
-    pack.mesh = glb_.has(kPrimitive + "/extensions/" + kDracoExtension) ? readDracoMesh() : readPlainMesh();
-    pack.mesh.texcoords = flippedTexcoords(pack.mesh.texcoords);
-    if (glb_.version() == 1) {
-      pack.transfer = readVersion1(pack.mesh.vertexCount());
-    } else {
-      pack.colors = readAttribute<Float3>("COLOR_0", "VEC3");
-      pack.transfer = readTransfer(pack.mesh.vertexCount());
-    }
-    return pack;
+  void integer(const char* name, int& value, const Range& range) override {
+    value =
+        intAt(at(name), static_cast<std::uint64_t>(range.least), static_cast<std::uint64_t>(range.greatest));
   }
+  void number(const char* name, float& value, const Range&) override { value = glb_.floatAt(at(name)); }
+  void vector(const char* name, Float3& value, const Range&) override { value = float3At(at(name)); }
+  void constant(const char* name, const char* text) override { require(at(name), text); }
+  void choice(const char* name, int& value, std::span<const char* const> names) override {
+    const std::string text = glb_.textAt(at(name));
+    const auto found = std::find(names.begin(), names.end(), text);
+    if (found == names.end()) {
+      std::string known;
+      for (const char* one : names) known += (known.empty() ? "" : ", ") + std::string(one);
+      throw glb_.error(at(name), "'" + text + "' is not known", "one of " + known);
+    }
+    value = static_cast<int>(found - names.begin());
+  }
+
+  void table(const char* name, EncodedTable& table, Rows, std::size_t) override {
+    table = tableAt(at(name), glb_.unsignedAt(at(name) + "/shape/0"), glb_.unsignedAt(at(name) + "/shape/1"));
+  }
+  void floats(const char* name, std::vector<float>& values, std::size_t) override {
+    require(at(name) + "/type", "float32");
+    values = readValues<float>(at(name) + "/bufferView", glb_.unsignedAt(at(name) + "/shape/0"));
+  }
+  void indices(const char* name, std::vector<std::uint32_t>& values, std::size_t) override {
+    const std::string type = glb_.textAt(at(name) + "/type"), view = at(name) + "/bufferView";
+    const std::uint64_t count = glb_.unsignedAt(at(name) + "/shape/0");
+    if (type == "uint8") {
+      widen(readValues<std::uint8_t>(view, count), values);
+    } else if (type == "uint16") {
+      widen(readValues<std::uint16_t>(view, count), values);
+    } else if (type == "uint32") {
+      values = readValues<std::uint32_t>(view, count);
+    } else {
+      throw glb_.error(at(name) + "/type", "'" + type + "' is not known", "uint8, uint16 or uint32");
+    }
+  }
+  void tangents(const char*, std::vector<Float4>& values) override { values = tangents_; }
+  void image(const char* name, PackImage& image) override {
+    image.height = intAt(at(name) + "/shape/0", 1, kMostTexels);
+    image.width = intAt(at(name) + "/shape/1", 1, kMostTexels);
+    const int channels = intAt(at(name) + "/shape/2", 1, kMostChannels);
+    image.channels.clear();
+    for (int c = 0; c < channels; ++c)
+      image.channels.push_back(glb_.textAt(at(name) + "/channels/" + std::to_string(c)));
+    image.texels =
+        tableAt(at(name), static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height),
+                static_cast<std::uint64_t>(channels));
+  }
+
+  bool open(const char* name, bool) override {
+    if (!glb_.has(at(name))) return false;
+    groups_.push_back(pointer_);
+    pointer_ = at(name);
+    return true;
+  }
+  void close() override {
+    pointer_ = groups_.back();
+    groups_.pop_back();
+  }
+  void require(bool, const char*, const std::string&, const std::string&, const std::string&) override {}
 
  private:
-  void require(const std::string& pointer, const Json& expected) const {
-    if (glb_.at(pointer) != expected) throw glb_.error(pointer, "it has another value", expected.dump());
-  }
+  static constexpr std::uint64_t kMostTexels = 1 << 16, kMostChannels = 1024;
 
-  Float3 float3At(const std::string& pointer) const {
-    Float3 result;
-    for (std::size_t i = 0; i < 3; ++i) result[i] = glb_.floatAt(pointer + "/" + std::to_string(i));
-    return result;
-  }
+  using PackReading::require;
+  std::string at(const char* name) const { return pointer_ + "/" + name; }
 
-  int intAt(const std::string& pointer, std::uint64_t least, std::uint64_t greatest) const {
-    const std::uint64_t value = glb_.unsignedAt(pointer);
-    if (value < least || value > greatest) {
-      throw glb_.error(pointer, std::to_string(value) + " is out of range",
-                       std::to_string(least) + " to " + std::to_string(greatest));
-    }
-    return static_cast<int>(value);
-  }
-
-  int orderAt(const std::string& pointer) const { return intAt(pointer, 1, kMaxOrder); }
-
-  // Pointer of the accessor whose index stands at `pointer`.
-  std::string accessorAt(const std::string& pointer) const {
-    return "/accessors/" + std::to_string(glb_.unsignedAt(pointer));
-  }
-
-  // ---- the mesh
-
-  // `values_per_item` glTF elements make one Item: 3 indices a triangle.
-  template <class Item>
-  std::vector<Item> readAccessor(const std::string& index_pointer, ComponentType component, const char* type,
-                                 std::uint64_t elements_per_item = 1) const {
-    const std::string accessor_pointer = accessorAt(index_pointer);
-    require(accessor_pointer + "/componentType", static_cast<int>(component));
-    require(accessor_pointer + "/type", type);
-    const std::uint64_t count = glb_.unsignedAt(accessor_pointer + "/count");
-    const auto bytes = glb_.sectionAt(accessor_pointer + "/bufferView");
-    // Compared by division: count × size may not fit 64 bits in a hostile file.
-    if (bytes.size() % sizeof(Item) != 0 || count % elements_per_item != 0 ||
-        count / elements_per_item != bytes.size() / sizeof(Item)) {
-      throw glb_.error(accessor_pointer + "/count", std::to_string(count) + " does not fit its bufferView",
-                       std::to_string(bytes.size() / sizeof(Item) * elements_per_item));
-    }
-    return valuesOf<Item>(bytes);
-  }
-
-  template <class Item>
-  static std::vector<Item> valuesOf(std::span<const std::byte> bytes) {
-    std::vector<Item> items(bytes.size() / sizeof(Item));
-    if (!items.empty()) std::memcpy(items.data(), bytes.data(), items.size() * sizeof(Item));
-    return items;
-  }
-
-  // Empty if the primitive has no such attribute.
-  template <class Item>
-  std::vector<Item> readAttribute(const char* name, const char* type) const {
-    const std::string pointer = kPrimitive + "/attributes/" + name;
-    if (!glb_.has(pointer)) return {};
-    return readAccessor<Item>(pointer, kFloat32Component, type);
-  }
-
-  TriangleMesh readPlainMesh() const {
-    const std::string attributes = kPrimitive + "/attributes";
-    TriangleMesh mesh;
-    mesh.positions = readAccessor<Float3>(attributes + "/POSITION", kFloat32Component, "VEC3");
-    mesh.normals = readAccessor<Float3>(attributes + "/NORMAL", kFloat32Component, "VEC3");
-    mesh.texcoords = readAttribute<Float2>("TEXCOORD_0", "VEC2");
-    mesh.triangles = readAccessor<Triangle>(kPrimitive + "/indices", kUint32Component, "SCALAR", 3);
-    return mesh;
-  }
-
-  TriangleMesh readDracoMesh() const {
-    const std::string extension = kPrimitive + "/extensions/" + kDracoExtension;
-    const std::string ids = extension + "/attributes";
-    DracoAttributes attributes{intAt(ids + "/POSITION", 0, 255), intAt(ids + "/NORMAL", 0, 255), -1};
-    if (glb_.has(ids + "/TEXCOORD_0")) attributes.texcoord = intAt(ids + "/TEXCOORD_0", 0, 255);
-    TriangleMesh mesh = decodeDraco(glb_.sectionAt(extension + "/bufferView"), attributes, glb_.file());
-    const std::string count = accessorAt(kPrimitive + "/attributes/POSITION") + "/count";
-    if (glb_.unsignedAt(count) != mesh.vertexCount()) {
-      throw glb_.error(count, "Draco gives " + std::to_string(mesh.vertexCount()) + " vertices", "as many");
-    }
-    return mesh;
-  }
-
-  // ---- tables
-
-  // The values of a section that must hold `count` of them.
-  template <class Value>
-  std::vector<Value> readValues(const std::string& view_pointer, std::uint64_t count) const {
-    return valuesOf<Value>(sectionOfSize(view_pointer, checkedProduct({count, sizeof(Value)}),
-                                         std::to_string(count) + " values"));
-  }
-
-  std::span<const std::byte> sectionOfSize(const std::string& view_pointer,
-                                           std::optional<std::uint64_t> size_bytes,
-                                           const std::string& expected) const {
-    const auto bytes = glb_.sectionAt(view_pointer);
-    if (!size_bytes || bytes.size() != *size_bytes) {
-      throw glb_.sectionError(view_pointer, "it has " + std::to_string(bytes.size()) + " bytes", expected);
-    }
-    return bytes;
-  }
-
-  Precision precisionAt(const std::string& pointer) const {
-    const std::string name = glb_.textAt(pointer);
-    for (const std::string& known : precisionNames()) {
-      if (name == known) return precisionNamed(name);
-    }
-    throw glb_.error(pointer, "'" + name + "' is not known", "float32, float16 or uint8");
-  }
-
-  EncodedTable readTable(const std::string& pointer) const {
+  EncodedTable tableAt(const std::string& pointer, std::uint64_t rows, std::uint64_t columns) const {
     EncodedTable table;
-    table.precision = precisionAt(pointer + "/precision");
-    table.rows = glb_.unsignedAt(pointer + "/rows");
-    table.columns = glb_.unsignedAt(pointer + "/columns");
-    const auto bytes = sectionOfSize(
+    table.precision = precisionAt(pointer + "/type");
+    table.rows = rows;
+    table.columns = columns;
+    table.data = glb_.shared(sectionOfSize(
         pointer + "/bufferView", checkedProduct({table.rows, table.columns, bytesPerValue(table.precision)}),
         std::to_string(table.rows) + " rows × " + std::to_string(table.columns) + " values of " +
-            nameOf(table.precision));
-    table.data.assign(bytes.begin(), bytes.end());
+            nameOf(table.precision)));
     if (table.precision == Precision::kUint8) {
       table.scale = readValues<float>(pointer + "/scale", table.columns);
       table.offset = readValues<float>(pointer + "/offset", table.columns);
     }
     return table;
   }
-
-  // ---- radiance transfer
-
-  RadianceTransfer readVersion1(std::size_t vertex_count) const {
-    require(kExtension + "/technique", "diffuse_vector");
-    requireConventions();
-    require(kExtension + "/componentType", static_cast<int>(kFloat32Component));
-    RadianceTransfer transfer;
-    transfer.order = orderAt(kExtension + "/order");
-    transfer.transport = glb_.textAt(kExtension + "/visibility");
-    const auto order = static_cast<std::size_t>(transfer.order), columns = order * order;
-    require(kExtension + "/coefficientsPerVertex", columns);
-    EncodedTable& vectors = transfer.vectors;
-    vectors.rows = vertex_count;
-    vectors.columns = columns;
-    const auto bytes =
-        sectionOfSize(kExtension + "/bufferView", checkedProduct({vertex_count, columns, sizeof(float)}),
-                      std::to_string(vertex_count) + " vertices × " + std::to_string(columns) + " floats");
-    vectors.data.assign(bytes.begin(), bytes.end());
-    return transfer;
+  template <class Narrow>
+  static void widen(const std::vector<Narrow>& from, std::vector<std::uint32_t>& to) {
+    to.assign(from.begin(), from.end());
   }
 
-  void requireConventions() const {
-    require(kExtension + "/basis", kBasis);
-    require(kExtension + "/frame", "object");
-    require(kExtension + "/inversePi", "inside");
-    require(kExtension + "/albedo", "outside");
+  std::string pointer_;
+  std::vector<std::string> groups_;
+  const std::vector<Float4>& tangents_;
+};
+
+class PackReader : private PackReading {
+ public:
+  explicit PackReader(const GlbReader& glb) : PackReading(glb) {}
+
+  Pack read() {
+    Pack pack;
+    pack.name = glb_.textAt(kMesh + "/name");
+    for (std::size_t i = 0; i < glb_.at("/materials").size(); ++i)
+      primitives_.push_back(kMesh + "/primitives/" + std::to_string(i));
+    if (primitives_.empty()) throw glb_.error("/materials", "it is empty", "one material or more");
+    if (glb_.at(kMesh + "/primitives").size() != primitives_.size())
+      throw glb_.error(kMesh + "/primitives", "there is not one for each material",
+                       std::to_string(primitives_.size()));
+    for (std::size_t i = 0; i < primitives_.size(); ++i) require(primitives_[i] + "/material", i);
+    readMesh(pack.mesh);
+    pack.colors = readAttribute<Float3>("COLOR_0", "VEC3");
+    const auto tangents = readAttribute<Float4>("TANGENT", "VEC4");
+    pack.transfer = readPart(kTransfer, transferKinds(), tangents);
+    pack.appearances.clear();
+    for (std::size_t i = 0; i < primitives_.size(); ++i)
+      pack.appearances.push_back(readAppearance("/materials/" + std::to_string(i)));
+    if (primitives_.size() > 1)
+      for (const Appearance& appearance : pack.appearances)
+        pack.mesh.material_names.push_back(appearance.material);
+    return pack;
   }
 
-  RadianceTransfer readTransfer(std::size_t vertex_count) const {
-    requireConventions();
-    RadianceTransfer transfer;
-    transfer.order = orderAt(kExtension + "/order");
-    transfer.transport = glb_.textAt(kExtension + "/transport");
-    transfer.channels = intAt(kExtension + "/channels", 1, 3);
-    transfer.vectors = readTable(kExtension + "/transfer");
-    const std::string near_field = kExtension + "/nearField";
-    if (glb_.has(near_field)) {
-      transfer.sphere_center = float3At(near_field + "/center");
-      transfer.sphere_radius = glb_.floatAt(near_field + "/radius");
-      transfer.near_vectors = readTable(near_field + "/transfer");
-    }
-    const bool glossy = glb_.has(kExtension + "/glossy");
-    require(kExtension + "/technique", glossy ? "glossy" : "diffuse");
-    if (glossy) readGlossy(kExtension + "/glossy", vertex_count, transfer);
-    return transfer;
+ private:
+  PackPart readPart(const std::string& pointer, const PackPartKinds& kinds,
+                    const std::vector<Float4>& tangents) const {
+    const std::string name = glb_.textAt(pointer + "/kind");
+    const auto kind = std::find_if(kinds.begin(), kinds.end(),
+                                   [&](const PackPartKind& known) { return name == known.name; });
+    if (kind == kinds.end())
+      throw glb_.error(pointer + "/kind", "'" + name + "' is not known", namesOf(kinds),
+                       "read it with the Bakelight that made it");
+    PackPart part = kind->make();
+    FieldReader fields(glb_, pointer, tangents);
+    part.describe(fields);
+    return part;
   }
 
-  MatrixStorage storageAt(const std::string& pointer) const {
-    const std::string name = glb_.textAt(pointer);
-    for (const auto storage : {MatrixStorage::kMatrix, MatrixStorage::kVisibility, MatrixStorage::kCpca}) {
-      if (name == nameOf(storage)) return storage;
-    }
-    throw glb_.error(pointer, "'" + name + "' is not known", "matrix, visibility or cpca");
+  Appearance readAppearance(const std::string& pointer) const {
+    Appearance appearance;
+    if (glb_.has(pointer + "/name")) appearance.material = glb_.textAt(pointer + "/name");
+    appearance.base_color = float3At(pointer + "/pbrMetallicRoughness/baseColorFactor");
+    appearance.reflection =
+        readPart(pointer + "/extensions/" + kTransferExtension, reflectionKinds(), kNoTangents);
+    return appearance;
   }
 
-  void readGlossy(const std::string& pointer, std::size_t vertex_count, RadianceTransfer& transfer) const {
-    transfer.storage = storageAt(pointer + "/storage");
-    transfer.row_order = orderAt(pointer + "/rowOrder");
-    require(pointer + "/frame", transfer.storage == MatrixStorage::kVisibility ? "object" : "local");
-    transfer.tangents = readAttribute<Float4>("TANGENT", "VEC4");
-    transfer.matrices = readTable(pointer + "/" + matrixSection(transfer.storage));
-    if (transfer.storage == MatrixStorage::kCpca) {
-      transfer.clusters = readValues<std::uint32_t>(pointer + "/clusters/bufferView", vertex_count);
-      transfer.basis = readTable(pointer + "/basis");
-      const std::uint64_t count = glb_.unsignedAt(pointer + "/clusters/count");
-      if (checkedProduct({count, 1 + transfer.matrices.columns}) != transfer.basis.rows) {
-        throw glb_.error(pointer + "/clusters/count", std::to_string(count) + " does not fit the basis",
-                         "rows of the basis / (1 + columns of the weights)");
+  bool hasDraco() const { return glb_.has(primitives_.front() + "/extensions/" + kDracoExtension); }
+
+  void readMesh(TriangleMesh& mesh) {
+    if (!hasDraco()) mesh = readPlainVertices(primitives_.front());
+    for (std::uint32_t i = 0; i < primitives_.size(); ++i) {
+      std::vector<Triangle> triangles;
+      if (hasDraco()) {
+        triangles = appendDraco(mesh, readDracoMesh(primitives_[i]));
+      } else {
+        for (const char* name : {"POSITION", "NORMAL"})
+          require(primitives_[i] + "/attributes/" + name, glb_.at(primitives_[0] + "/attributes/" + name));
+        triangles = readAccessor<Triangle>(primitives_[i] + "/indices", kUint32Component, "SCALAR", 3);
+      }
+      if (primitives_.size() > 1)
+        mesh.triangle_materials.insert(mesh.triangle_materials.end(), triangles.size(), i);
+      if (mesh.triangles.empty()) {
+        mesh.triangles = std::move(triangles);
+      } else {
+        mesh.triangles.insert(mesh.triangles.end(), triangles.begin(), triangles.end());
       }
     }
-    if (glb_.has(pointer + "/lobe")) transfer.material = readLobe(pointer + "/lobe");
+    mesh.texcoords = flippedTexcoords(mesh.texcoords);
   }
 
-  GlossyMaterial readLobe(const std::string& pointer) const {
-    GlossyMaterial material;
-    const std::string model = glb_.textAt(pointer + "/model");
-    if (model == nameOf(LobeModel::kTable)) {
-      material.model = LobeModel::kTable;
-      material.table = readBrdf(pointer);
-      return material;
+  std::vector<Triangle> appendDraco(TriangleMesh& mesh, TriangleMesh part) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertexCount());
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    append(mesh.positions, part.positions);
+    append(mesh.normals, part.normals);
+    append(mesh.texcoords, part.texcoords);
+    for (Triangle& t : part.triangles)
+      for (std::uint32_t& v : t) v += first;
+    counts_.push_back(part.vertexCount());
+    return std::move(part.triangles);
+  }
+
+  // Empty if the primitives have no such attribute. With Draco each has its part of one section, in order.
+  template <class Item>
+  std::vector<Item> readAttribute(const char* name, const char* type) const {
+    const std::string pointer = primitives_.front() + "/attributes/" + name;
+    if (!glb_.has(pointer)) return {};
+    if (!hasDraco() || primitives_.size() == 1) return readAccessor<Item>(pointer, kFloat32Component, type);
+    const std::string view = accessorAt(pointer) + "/bufferView";
+    std::uint64_t first = 0;
+    for (std::size_t i = 0; i < primitives_.size(); ++i) {
+      const std::string part = accessorAt(primitives_[i] + "/attributes/" + name);
+      require(part + "/bufferView", glb_.at(view));
+      require(part + "/componentType", static_cast<int>(kFloat32Component));
+      require(part + "/type", type);
+      require(part + "/count", counts_[i]);
+      if (first > 0) require(part + "/byteOffset", first * sizeof(Item));
+      first += counts_[i];
     }
-    material.specular_color = float3At(pointer + "/specularColor");
-    if (model == nameOf(LobeModel::kPhong)) {
-      material.model = LobeModel::kPhong;
-      material.exponent = glb_.floatAt(pointer + "/exponent");
-    } else if (model == nameOf(LobeModel::kGgx)) {
-      material.model = LobeModel::kGgx;
-      material.roughness = glb_.floatAt(pointer + "/roughness");
-    } else {
-      throw glb_.error(pointer + "/model", "'" + model + "' is not known", "phong, ggx or table");
-    }
-    return material;
+    return readValues<Item>(view, first);
   }
 
-  BrdfTable readBrdf(const std::string& pointer) const {
-    BrdfTable table;
-    table.order = orderAt(pointer + "/order");
-    table.angles = intAt(pointer + "/angles", 2, kMaxAngles);
-    const auto order = static_cast<std::uint64_t>(table.order);
-    table.values = readValues<float>(pointer + "/bufferView",
-                                     static_cast<std::uint64_t>(table.angles) * 3 * order * order);
-    return table;
-  }
-
-  const GlbReader& glb_;
+  inline static const std::vector<Float4> kNoTangents = {};
+  std::vector<std::string> primitives_;
+  std::vector<std::size_t> counts_;  // vertices of each, with Draco
 };
 
 }  // namespace
 
 Pack decodeUncheckedPack(const GlbReader& glb) {
+  if (glb.version() < 3) return decodeUncheckedPack2(glb);
   return PackReader(glb).read();
 }
 

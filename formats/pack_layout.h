@@ -1,4 +1,4 @@
-// What the writer and the reader of packs must agree on. Private to formats/pack*.cpp.
+// What the writer and the readers of packs must agree on. Private to formats/pack*.cpp.
 #pragma once
 
 #include <string>
@@ -10,7 +10,6 @@
 namespace bakelight::formats {
 
 inline constexpr const char* kDracoExtension = "KHR_draco_mesh_compression";
-inline constexpr const char* kBasis = "real_sh_cartesian";
 
 // glTF's number of each type of component in use.
 enum ComponentType { kUint32Component = 5125, kFloat32Component = 5126 };
@@ -21,7 +20,8 @@ std::vector<Float2> flippedTexcoords(const std::vector<Float2>& texcoords);
 
 // `pack` must have passed checkPack.
 Bytes encodeCheckedPack(const Pack& pack, const PackOptions& options, const std::string& file);
-// What the file says, not yet judged by checkPack. Any version.
+// What the file says, not yet judged by checkPack: version 3, and 1 or 2.
 Pack decodeUncheckedPack(const GlbReader& glb);
+Pack decodeUncheckedPack2(const GlbReader& glb);
 
 }  // namespace bakelight::formats

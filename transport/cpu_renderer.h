@@ -1,5 +1,5 @@
-// The player's picture on the CPU: a ray through each subsample, vertex radiance interpolated at its nearest
-// hit. For previews, comparisons with the player, and machines without OpenGL.
+// The player's picture on the CPU: a ray through each subsample, and the radiance of its nearest hit. For
+// previews, comparisons with the player, and machines without OpenGL.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "formats/image.h"
-#include "formats/triangle_mesh.h"
 #include "transport/camera.h"
+#include "transport/pack_shading.h"
 #include "transport/ray_scene.h"
 
 namespace bakelight::transport {
@@ -37,11 +37,10 @@ struct CpuPicture {
       hits;  // (width · supersampling) × (height · supersampling), rows from top to bottom
 };
 
-// `scene` was built from `mesh`; `vertex_radiance` has one entry a vertex, base colour included. Both sides
-// of a triangle are seen. Throws std::invalid_argument if sizes do not fit or the grid is empty. Cost: one
-// nearest-hit ray per subsample, on all TBB threads; the same bytes whatever their number.
-CpuPicture renderOnCpu(const formats::TriangleMesh& mesh, const RayScene& scene,
-                       std::span<const Float3> vertex_radiance, const OrbitCamera& camera,
+// Both sides of a triangle are seen; `shade` is asked for hits on the scene's triangles, row by row from
+// several threads at once. Throws std::invalid_argument if the grid is empty. Cost: one nearest-hit ray per
+// subsample, on all TBB threads; the same bytes whatever their number.
+CpuPicture renderOnCpu(const RayScene& scene, const RadianceAtHits& shade, const OrbitCamera& camera,
                        const PictureGrid& grid, const Backdrop& backdrop);
 
 // Exposure (a factor) and display code for each pixel of a premultiplied R, G, B, A image: values k/255 with

@@ -46,7 +46,7 @@ struct GlossyEvaluator::Implementation {
   }
 };
 
-GlossyEvaluator::GlossyEvaluator(const formats::RadianceTransfer& transfer)
+GlossyEvaluator::GlossyEvaluator(const formats::ShTransfer& transfer)
     : implementation_(std::make_unique<Implementation>(Implementation{makeGlossyTiles(transfer)})) {}
 
 GlossyEvaluator::~GlossyEvaluator() = default;
@@ -75,25 +75,6 @@ void GlossyEvaluator::transferredRadiance(std::span<const Float3> light,
             for (std::size_t c = 0; c < 3; ++c)
               transferred[vertices[lane] * rows + i][c] = result[(i * 3 + c) * kTile + lane];
       });
-}
-
-std::span<const std::uint32_t> GlossyEvaluator::vertexOrder() const {
-  return implementation_->tiles->order();
-}
-
-void GlossyEvaluator::shade(std::span<const Float3> light, std::span<const float> rows,
-                            std::span<Float3> radiance) const {
-  const GlossyTiles& tiles = *implementation_->tiles;
-  const std::size_t tile_size = tiles.shape().rows * kTile;
-  if (rows.size() != tiles.tileCount() * tile_size || radiance.size() != tiles.vertexCount())
-    throw std::invalid_argument("GlossyEvaluator: rows or radiance do not fit the vertices");
-  const LightTables tables = tiles.prepare(light);
-  implementation_->forEachTile(tables, 3 * kTile, [&](std::size_t tile, float* scratch, float* result) {
-    const std::span<const std::uint32_t> vertices = tiles.vertices(tile);
-    tiles.shade(tile, tables, &rows[tile * tile_size], scratch, result);
-    for (std::size_t lane = 0; lane < vertices.size(); ++lane)
-      radiance[vertices[lane]] = {result[lane], result[kTile + lane], result[2 * kTile + lane]};
-  });
 }
 
 std::size_t GlossyEvaluator::tableBytes() const {

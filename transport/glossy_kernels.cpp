@@ -65,107 +65,64 @@ void decode(const TileValues& values, const float* offset, std::size_t count, fl
   });
 }
 
-// radiance[c] += Σ_column sums[column] · light[column][c]
-template <std::size_t kColumns>
-HWY_INLINE void addLit(const Vector (&sums)[kColumns], const float* light, int first_color, int last_color,
-                       std::size_t lane, float* radiance) {
-  for (int color = first_color; color < last_color; ++color) {
-    float* target = radiance + color * kTile + lane;
-    Vector sum = hn::Load(kFloats, target);
-#pragma GCC unroll 8
-    for (std::size_t column = 0; column < kColumns; ++column)
-      sum = hn::MulAdd(sums[column], hn::Set(kFloats, light[column * 3 + color]), sum);
-    hn::Store(sum, kFloats, target);
-  }
-}
-
-// Rows first, light last: for one table of matrices under three colours this takes a third of the
-// multiply-adds of the other order.
-template <std::size_t kColumns, class T>
-HWY_INLINE void shadeColumns(const T* matrix, const float* scale, std::size_t row_count, const float* rows,
-                             const float* light, int first_color, int last_color, float* radiance) {
+// kRows rows from `begin` on. cell(e, lane) is entry e of the row-major matrix.
+template <std::size_t kRows, std::size_t kColors, class Cell>
+HWY_INLINE void multiplyRows(const Cell& cell, std::size_t begin, std::size_t columns, const float* light,
+                             float* transferred) {
   for (std::size_t lane = 0; lane < kTile; lane += kLanes) {
-    Vector sums[kColumns];
-#pragma GCC unroll 8
-    for (std::size_t column = 0; column < kColumns; ++column) sums[column] = hn::Zero(kFloats);
-    for (std::size_t i = 0; i < row_count; ++i) {
-      const Vector row = hn::LoadU(kFloats, rows + i * kTile + lane);
-      const T* entries = matrix + i * kColumns * kTile + lane;
-      if (lane == 0) {
-#pragma GCC unroll 8
-        for (std::size_t byte = 0; byte < kColumns * kTile * sizeof(T); byte += 64)
-          hwy::Prefetch(reinterpret_cast<const std::byte*>(entries) + kPrefetchAhead + byte);
-      }
-#pragma GCC unroll 8
-      for (std::size_t column = 0; column < kColumns; ++column) {
-        const Vector value = load(entries + column * kTile);
-        if constexpr (sizeof(T) == 1) {
-          const Vector scaled_row = hn::Mul(row, hn::Set(kFloats, scale[i * kColumns + column]));
-          sums[column] = hn::MulAdd(value, scaled_row, sums[column]);
-        } else {
-          sums[column] = hn::MulAdd(value, row, sums[column]);
-        }
+    Vector sums[kRows * kColors];
+#pragma GCC unroll 12
+    for (std::size_t s = 0; s < kRows * kColors; ++s)
+      sums[s] = hn::Load(kFloats, transferred + ((begin + s / kColors) * 3 + s % kColors) * kTile + lane);
+    for (std::size_t j = 0; j < columns; ++j) {
+#pragma GCC unroll 4
+      for (std::size_t row = 0; row < kRows; ++row) {
+        const Vector value = cell((begin + row) * columns + j, lane);
+#pragma GCC unroll 3
+        for (std::size_t c = 0; c < kColors; ++c)
+          sums[row * kColors + c] =
+              hn::MulAdd(value, hn::Set(kFloats, light[j * 3 + c]), sums[row * kColors + c]);
       }
     }
-    addLit(sums, light, first_color, last_color, lane, radiance);
+#pragma GCC unroll 12
+    for (std::size_t s = 0; s < kRows * kColors; ++s)
+      hn::Store(sums[s], kFloats, transferred + ((begin + s / kColors) * 3 + s % kColors) * kTile + lane);
   }
 }
 
-void shadeMatrices(const TileValues& matrices, MatrixShape shape, const float* rows, const float* light,
-                   int first_color, int last_color, float* radiance) {
-  const Blocks blocks{shape.columns, kColumnBlock};
-  withType(matrices, [&]<class T>(const T* data) {
-    for (std::size_t block = 0; block < blocks.blocks(); ++block) {
-      const std::size_t begin = blocks.begin(block), size = blocks.begin(block + 1) - begin;
-      withSize<kColumnBlock>(size, [&]<std::size_t kColumns>() {
-        const float* scale = sizeof(T) == 1 ? matrices.scale + begin * shape.rows : nullptr;
-        shadeColumns<kColumns>(data + begin * shape.rows * kTile, scale, shape.rows, rows, light + begin * 3,
-                               first_color, last_color, radiance);
-      });
-    }
-  });
-}
-
-void shadeSlots(const float* lanes, const std::uint16_t* slots, MatrixShape shape, const float* rows,
-                const float* light, float* radiance) {
-  const Blocks blocks{shape.columns, kColumnBlock};
+template <std::size_t kColors, class Cell>
+HWY_INLINE void multiplyAll(const Cell& cell, MatrixShape shape, const float* light, float* transferred) {
+  const Blocks blocks{shape.rows, kRowBlock};
   for (std::size_t block = 0; block < blocks.blocks(); ++block) {
     const std::size_t begin = blocks.begin(block), size = blocks.begin(block + 1) - begin;
-    withSize<kColumnBlock>(size, [&]<std::size_t kColumns>() {
-      for (std::size_t lane = 0; lane < kTile; lane += kLanes) {
-        const std::uint16_t* slot = slots + begin * shape.rows;
-        Vector sums[kColumns];
-#pragma GCC unroll 8
-        for (std::size_t column = 0; column < kColumns; ++column) sums[column] = hn::Zero(kFloats);
-        for (std::size_t i = 0; i < shape.rows; ++i, slot += kColumns) {
-          const Vector row = hn::LoadU(kFloats, rows + i * kTile + lane);
-#pragma GCC unroll 8
-          for (std::size_t column = 0; column < kColumns; ++column)
-            sums[column] =
-                hn::MulAdd(hn::Load(kFloats, lanes + slot[column] * kTile + lane), row, sums[column]);
-        }
-        addLit(sums, light + begin * 3, 0, 3, lane, radiance);
-      }
+    withSize<kRowBlock>(size, [&]<std::size_t kRows>() {
+      multiplyRows<kRows, kColors>(cell, begin, shape.columns, light, transferred);
     });
   }
 }
 
-void transferSlots(const float* lanes, const std::uint16_t* slots, MatrixShape shape, const float* light,
-                   int first_color, int last_color, float* transferred) {
-  const Blocks blocks{shape.columns, kColumnBlock};
-  std::size_t entry = 0;
-  for (std::size_t block = 0; block < blocks.blocks(); ++block)
-    for (std::size_t i = 0; i < shape.rows; ++i)
-      for (std::size_t j = blocks.begin(block); j < blocks.begin(block + 1); ++j, ++entry) {
-        const float* value = lanes + (slots != nullptr ? slots[entry] : entry) * kTile;
-        for (int color = first_color; color < last_color; ++color) {
-          float* target = transferred + (i * 3 + color) * kTile;
-          const Vector factor = hn::Set(kFloats, light[j * 3 + color]);
-          for (std::size_t lane = 0; lane < kTile; lane += kLanes)
-            hn::Store(hn::MulAdd(hn::Load(kFloats, value + lane), factor, hn::Load(kFloats, target + lane)),
-                      kFloats, target + lane);
-        }
-      }
+void multiplyMatrices(const TileValues& matrices, const float* offset, MatrixShape shape, const float* light,
+                      int first_color, int last_color, float* transferred) {
+  withType(matrices, [&]<class T>(const T* data) {
+    const auto cell = [&](std::size_t e, std::size_t lane) HWY_ATTR {
+      const T* values = data + e * kTile + lane;
+      if (lane == 0) hwy::Prefetch(reinterpret_cast<const std::byte*>(values) + kPrefetchAhead);
+      if constexpr (sizeof(T) == 1)
+        return hn::MulAdd(load(values), hn::Set(kFloats, matrices.scale[e]), hn::Set(kFloats, offset[e]));
+      else
+        return load(values);
+    };
+    if (last_color - first_color == 3) return multiplyAll<3>(cell, shape, light, transferred);
+    for (int color = first_color; color < last_color; ++color)
+      multiplyAll<1>(cell, shape, light + color, transferred + static_cast<std::size_t>(color) * kTile);
+  });
+}
+
+void multiplySlots(const float* lanes, const std::uint16_t* slots, MatrixShape shape, const float* light,
+                   float* transferred) {
+  const auto cell = [&](std::size_t e, std::size_t lane)
+                        HWY_ATTR { return hn::Load(kFloats, lanes + slots[e] * kTile + lane); };
+  multiplyAll<3>(cell, shape, light, transferred);
 }
 
 struct SumCursor {
@@ -297,33 +254,6 @@ HWY_INLINE void combineRows(const float* product, std::size_t components, const 
   visit(sums);
 }
 
-void shadeCluster(const float* product, std::size_t components, const float* weights, std::size_t row_count,
-                  const float* rows, float* radiance) {
-  const Blocks blocks{row_count, kRowBlock};
-  const std::size_t row_lanes = (row_count + kTile - 1) / kTile * kTile;
-  for (std::size_t lane = 0; lane < kTile; lane += kLanes) {
-    Vector red = hn::Zero(kFloats), green = red, blue = red;
-    for (std::size_t block = 0; block < blocks.blocks(); ++block) {
-      const std::size_t begin = blocks.begin(block), size = blocks.begin(block + 1) - begin;
-      withSize<kRowBlock>(size, [&]<std::size_t kRows>() {
-        combineRows<kRows>(product, components, weights, begin, row_lanes, lane,
-                           [&](const Vector(&transferred)[kRows * 3]) {
-#pragma GCC unroll 4
-                             for (std::size_t row = 0; row < kRows; ++row) {
-                               const Vector factor = hn::LoadU(kFloats, rows + (begin + row) * kTile + lane);
-                               red = hn::MulAdd(factor, transferred[row * 3], red);
-                               green = hn::MulAdd(factor, transferred[row * 3 + 1], green);
-                               blue = hn::MulAdd(factor, transferred[row * 3 + 2], blue);
-                             }
-                           });
-      });
-    }
-    hn::Store(red, kFloats, radiance + lane);
-    hn::Store(green, kFloats, radiance + kTile + lane);
-    hn::Store(blue, kFloats, radiance + 2 * kTile + lane);
-  }
-}
-
 void transferCluster(const float* product, std::size_t components, const float* weights,
                      std::size_t row_count, float* transferred) {
   const std::size_t row_lanes = (row_count + kTile - 1) / kTile * kTile;
@@ -336,8 +266,8 @@ void transferCluster(const float* product, std::size_t components, const float* 
 }
 
 const Kernels& kernelsOfTarget() {
-  static constexpr Kernels table = {decode,     shadeMatrices, shadeSlots,   transferSlots,
-                                    sparseSums, multiplyBasis, shadeCluster, transferCluster};
+  static constexpr Kernels table = {decode,     multiplyMatrices, multiplySlots,
+                                    sparseSums, multiplyBasis,    transferCluster};
   return table;
 }
 

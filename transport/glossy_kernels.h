@@ -16,8 +16,7 @@ constexpr std::size_t kTile = 16;
 
 // Sums that are kept in registers at the same time: enough to hide the latency of a multiply-add, and few
 // enough for the 16 registers of AVX2.
-constexpr std::size_t kColumnBlock = 8;  // columns of a matrix
-constexpr std::size_t kRowBlock = 4;     // rows × 3 colours
+constexpr std::size_t kRowBlock = 4;  // rows × 3 colours
 
 // Cuts `count` into the fewest blocks of at most `maximum`, whose sizes differ by at most one.
 struct Blocks {
@@ -46,25 +45,17 @@ struct MatrixShape {
   std::size_t rows, columns;
 };
 
-// Rows of a tile's vertices are [i][lane].
 struct Kernels {
   // lanes[e] = scale[e] · code[e] + offset[e] (or the number itself), e < count.
   void (*decode)(const TileValues& values, const float* offset, std::size_t count, float* lanes);
 
-  // radiance[c] += Σ_ij rows[i] · matrix[i][j] · light[j · 3 + c] for colours first_color … last_color − 1.
-  // The matrix lies in blocks of columns (Blocks of kColumnBlock): [block][i][column in the block][lane].
-  void (*shadeMatrices)(const TileValues& matrices, MatrixShape shape, const float* rows, const float* light,
-                        int first_color, int last_color, float* radiance);
-
-  // As shadeMatrices on single precision and for all colours, where entry e of that order is at lanes +
-  // slots[e] · 16.
-  void (*shadeSlots)(const float* lanes, const std::uint16_t* slots, MatrixShape shape, const float* rows,
-                     const float* light, float* radiance);
-
-  // transferred[i · 3 + c] += Σ_j matrix[i][j] · light[j · 3 + c] for the colours as above; the matrix as in
-  // shadeSlots, or slots[e] = e if `slots` is null.
-  void (*transferSlots)(const float* lanes, const std::uint16_t* slots, MatrixShape shape, const float* light,
-                        int first_color, int last_color, float* transferred);
+  // transferred[i · 3 + c] += Σ_j matrix[i][j] · light[j · 3 + c] for colours first_color … last_color − 1.
+  // The matrix is row-major, decoded as above.
+  void (*multiplyMatrices)(const TileValues& matrices, const float* offset, MatrixShape shape,
+                           const float* light, int first_color, int last_color, float* transferred);
+  // As multiplyMatrices for all colours, where entry e of the matrix is at lanes + slots[e] · 16.
+  void (*multiplySlots)(const float* lanes, const std::uint16_t* slots, MatrixShape shape, const float* light,
+                        float* transferred);
 
   // result[s] = Σ_e factor[e][s] · lanes at source[e]: sparse sums, those of a group one after the other.
   void (*sparseSums)(const SumGroup* groups, std::size_t group_count, const std::uint16_t* source,
@@ -77,11 +68,7 @@ struct Kernels {
   void (*multiplyBasis)(const TileValues& basis, std::size_t members, MatrixShape shape,
                         const float* light_lanes, int first_color, int last_color, float* product);
 
-  // With transferred(i, c) = product[0][c][i] + Σ_k weights[k] · product[1 + k][c][i]:
-  // radiance[c] = Σ_i rows[i] · transferred(i, c).
-  void (*shadeCluster)(const float* product, std::size_t components, const float* weights,
-                       std::size_t row_count, const float* rows, float* radiance);
-  // The same without rows: transferred[i · 3 + c].
+  // transferred[i · 3 + c] = product[0][c][i] + Σ_k weights[k] · product[1 + k][c][i].
   void (*transferCluster)(const float* product, std::size_t components, const float* weights,
                           std::size_t row_count, float* transferred);
 };

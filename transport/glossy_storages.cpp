@@ -40,17 +40,6 @@ std::vector<std::uint32_t> identity(std::size_t count) {
   return order;
 }
 
-// Row-major cells of a matrix in the order of Kernels::shadeMatrices.
-std::vector<std::uint32_t> cellsInColumnBlocks(MatrixShape shape) {
-  std::vector<std::uint32_t> cells;
-  const Blocks blocks{shape.columns, kColumnBlock};
-  for (std::size_t block = 0; block < blocks.blocks(); ++block)
-    for (std::size_t i = 0; i < shape.rows; ++i)
-      for (std::size_t j = blocks.begin(block); j < blocks.begin(block + 1); ++j)
-        cells.push_back(static_cast<std::uint32_t>(i * shape.columns + j));
-  return cells;
-}
-
 std::size_t rowLanes(MatrixShape shape) {
   return (shape.rows + kTile - 1) / kTile * kTile;
 }
@@ -88,62 +77,40 @@ const float* decoded(const TileTable& table, std::size_t tile, float* scratch) {
 // One matrix a vertex, read once and multiplied by the row and then by the light.
 class MatrixTiles final : public GlossyTiles {
  public:
-  MatrixTiles(const formats::RadianceTransfer& transfer, MatrixShape shape)
-      : offset_(transfer.matrices.offset),
-        table_bytes_(bytesOf(transfer.matrices)),
-        cells_(shape.rows * shape.columns) {
+  MatrixTiles(const formats::EncodedTable& matrices, int channels, MatrixShape shape)
+      : table_bytes_(bytesOf(matrices)), cells_(shape.rows * shape.columns) {
     shape_ = shape;
-    channels_ = transfer.channels;
-    checkTable(transfer.matrices, transfer.matrices.rows, channels_ * cells_, "the table of matrices");
-    tileInOrder(transfer.matrices.rows, kTilesPerRange);
-    const std::vector<std::uint32_t> order = cellsInColumnBlocks(shape);
-    std::vector<std::uint32_t> columns;
-    for (int channel = 0; channel < channels_; ++channel)
-      for (const std::uint32_t cell : order)
-        columns.push_back(static_cast<std::uint32_t>(channel * cells_) + cell);
-    table_ = interleave(transfer.matrices, columns);
+    channels_ = channels;
+    checkTable(matrices, matrices.rows, channels_ * cells_, "the table of matrices");
+    tileInOrder(matrices.rows, kTilesPerRange);
+    table_ = interleave(matrices, identity(matrices.columns));
   }
 
   LightTables prepare(std::span<const Float3> light) const override {
     LightTables tables;
     tables.light = copyLight(light);
-    tables.offsets = transferOffsets(offset_, channels_, shape_, tables.light);
     return tables;
   }
 
-  std::size_t scratchSize() const override { return table_.entries * kTile; }
+  std::size_t scratchSize() const override { return 0; }
 
-  void shade(std::size_t tile, const LightTables& light, const float* rows, float*,
-             float* radiance) const override {
-    if (offset_.empty())
-      std::fill_n(radiance, 3 * kTile, 0.0f);
-    else
-      kernels().shadeCluster(light.offsets.data(), 0, nullptr, shape_.rows, rows, radiance);
+  void transfer(std::size_t tile, const LightTables& light, float*, float* transferred) const override {
     forEachChannel(channels_, [&](int channel, int first_color, int last_color) {
-      kernels().shadeMatrices(table_.at(tile, channel * cells_), shape_, rows, light.light.data(),
-                              first_color, last_color, radiance);
-    });
-  }
-
-  void transfer(std::size_t tile, const LightTables& light, float* scratch,
-                float* transferred) const override {
-    const float* matrices = decoded(table_, tile, scratch);
-    forEachChannel(channels_, [&](int channel, int first_color, int last_color) {
-      kernels().transferSlots(matrices + channel * cells_ * kTile, nullptr, shape_, light.light.data(),
-                              first_color, last_color, transferred);
+      const std::size_t first = channel * cells_;
+      const float* offset = table_.offset.data() == nullptr ? nullptr : table_.offset.data() + first;
+      kernels().multiplyMatrices(table_.at(tile, first), offset, shape_, light.light.data(), first_color,
+                                 last_color, transferred);
     });
   }
 
   std::size_t tableBytes() const override { return table_bytes_; }
   double multiplyAdds() const override {
-    // Codes are scaled one by one, as each cell has a scale of its own; their offsets meet the light first.
-    const std::size_t of_codes = offset_.empty() ? 0 : table_.entries + 3 * shape_.rows;
-    return static_cast<double>(vertexCount() * (table_.entries + of_codes + 3 * shape_.columns));
+    const std::size_t of_codes = table_.precision == Precision::kUint8 ? table_.entries : 0;
+    return static_cast<double>(vertexCount() * (3 * cells_ + of_codes));
   }
 
  private:
   TileTable table_;
-  std::vector<float> offset_;  // row-major
   std::size_t table_bytes_;
   std::size_t cells_;
 };
@@ -152,15 +119,13 @@ class MatrixTiles final : public GlossyTiles {
 // in the first-level cache. Γ_ijk is symmetric in i and j, so the cells i < j serve for j < i too.
 class VisibilityTiles final : public GlossyTiles {
  public:
-  VisibilityTiles(const formats::RadianceTransfer& transfer, MatrixShape shape)
-      : table_bytes_(bytesOf(transfer.matrices)) {
+  VisibilityTiles(const formats::EncodedTable& visibility, const TripleProduct& product, MatrixShape shape)
+      : table_bytes_(bytesOf(visibility)) {
     shape_ = shape;
-    require(transfer.channels == 1, "visibility has one channel");
-    const TripleProduct product(transfer.row_order, transfer.order);
     const std::size_t count = coefficientCount(product.visibilityOrder());
-    checkTable(transfer.matrices, transfer.matrices.rows, count, "the table of visibility");
-    tileInOrder(transfer.matrices.rows, kTilesPerRange);
-    table_ = interleave(transfer.matrices, identity(count));
+    checkTable(visibility, visibility.rows, count, "the table of visibility");
+    tileInOrder(visibility.rows, kTilesPerRange);
+    table_ = interleave(visibility, identity(count));
     planSums(product);
   }
 
@@ -172,22 +137,14 @@ class VisibilityTiles final : public GlossyTiles {
 
   std::size_t scratchSize() const override { return (table_.entries + sum_count_) * kTile; }
 
-  void shade(std::size_t tile, const LightTables& light, const float* rows, float* scratch,
-             float* radiance) const override {
-    std::fill_n(radiance, 3 * kTile, 0.0f);
-    kernels().shadeSlots(expand(tile, scratch), slots_.data(), shape_, rows, light.light.data(), radiance);
-  }
-
   void transfer(std::size_t tile, const LightTables& light, float* scratch,
                 float* transferred) const override {
-    kernels().transferSlots(expand(tile, scratch), slots_.data(), shape_, light.light.data(), 0, 3,
-                            transferred);
+    kernels().multiplySlots(expand(tile, scratch), slots_.data(), shape_, light.light.data(), transferred);
   }
 
   std::size_t tableBytes() const override { return table_bytes_; }
   double multiplyAdds() const override {
-    return static_cast<double>(vertexCount() *
-                               (sum_terms_ + shape_.rows * shape_.columns + 3 * shape_.columns));
+    return static_cast<double>(vertexCount() * (sum_terms_ + 3 * shape_.rows * shape_.columns));
   }
 
  private:
@@ -245,7 +202,7 @@ class VisibilityTiles final : public GlossyTiles {
     }
     sum_count_ = slot_of_cell.size();
     const std::size_t square = std::min(shape_.rows, shape_.columns);
-    for (const std::uint32_t cell : cellsInColumnBlocks(shape_)) {
+    for (std::uint32_t cell = 0; cell < shape_.rows * shape_.columns; ++cell) {
       const std::size_t i = cell / shape_.columns, j = cell % shape_.columns;
       const bool mirrored = j < i && i < square;
       slots_.push_back(slot_of_cell.at(mirrored ? static_cast<std::uint32_t>(j * shape_.columns + i) : cell));
@@ -265,27 +222,27 @@ class VisibilityTiles final : public GlossyTiles {
   std::vector<SumGroup> groups_;
   std::vector<std::uint16_t> source_;  // positions of each batch, see SumGroup
   std::vector<float> factor_;          // Γ_ijk, see SumGroup
-  std::vector<std::uint16_t> slots_;   // the sum of each cell in blocks of columns
+  std::vector<std::uint16_t> slots_;   // the sum of each cell
 };
 
 // The matrices of each cluster meet the light once, then every vertex combines the results.
 class CpcaTiles final : public GlossyTiles {
  public:
-  CpcaTiles(const formats::RadianceTransfer& transfer, MatrixShape shape)
-      : scale_(transfer.basis.scale),
-        offset_(transfer.basis.offset),
-        components_(transfer.matrices.columns),
-        table_bytes_(bytesOf(transfer.matrices) + bytesOf(transfer.basis) +
-                     transfer.clusters.size() * sizeof(std::uint32_t)) {
+  CpcaTiles(const formats::ClusteredOperator& clustered, int channels, MatrixShape shape)
+      : scale_(clustered.basis.scale),
+        offset_(clustered.basis.offset),
+        components_(clustered.weights.columns),
+        table_bytes_(bytesOf(clustered.weights) + bytesOf(clustered.basis) +
+                     clustered.clusters.size() * sizeof(std::uint32_t)) {
     shape_ = shape;
-    channels_ = transfer.channels;
-    clusters_ = transfer.basis.rows / (1 + components_);
-    checkTable(transfer.matrices, transfer.clusters.size(), components_, "the table of weights");
-    checkTable(transfer.basis, clusters_ * (1 + components_), channels_ * shape.rows * shape.columns,
+    channels_ = channels;
+    clusters_ = clustered.basis.rows / (1 + components_);
+    checkTable(clustered.weights, clustered.clusters.size(), components_, "the table of weights");
+    checkTable(clustered.basis, clusters_ * (1 + components_), channels_ * shape.rows * shape.columns,
                "the basis");
-    tileByCluster(transfer.clusters, clusters_, kTilesPerClusterRange);
-    weights_ = interleave(transfer.matrices, identity(components_));
-    interleaveBasis(transfer.basis);
+    tileByCluster(clustered.clusters, clusters_, kTilesPerClusterRange);
+    weights_ = interleave(clustered.weights, identity(components_));
+    interleaveBasis(clustered.basis);
   }
 
   LightTables prepare(std::span<const Float3> light) const override {
@@ -321,11 +278,6 @@ class CpcaTiles final : public GlossyTiles {
       kernels().multiplyBasis(values, 1 + components_, shape_, light.lanes.data(), first_color, last_color,
                               scratch);
     });
-  }
-
-  void shade(std::size_t tile, const LightTables&, const float* rows, float* scratch,
-             float* radiance) const override {
-    kernels().shadeCluster(scratch, components_, decodedWeights(tile, scratch), shape_.rows, rows, radiance);
   }
 
   void transfer(std::size_t tile, const LightTables&, float* scratch, float* transferred) const override {
@@ -379,21 +331,23 @@ class CpcaTiles final : public GlossyTiles {
 
 }  // namespace
 
-std::unique_ptr<const GlossyTiles> makeGlossyTiles(const formats::RadianceTransfer& transfer) {
-  require(transfer.storage != formats::MatrixStorage::kNone, "the transfer has no matrices");
-  require(transfer.order >= 1 && transfer.order <= kMaxOrder && transfer.row_order >= 1 &&
-              transfer.row_order <= kMaxOrder && (transfer.channels == 1 || transfer.channels == 3),
+std::unique_ptr<const GlossyTiles> makeGlossyTiles(const formats::ShTransfer& transfer) {
+  require(transfer.glossy.has_value(), "the transfer has no matrices");
+  const formats::GlossyTransfer& glossy = *transfer.glossy;
+  require(transfer.order >= 1 && transfer.order <= kMaxOrder && glossy.output_order >= 1 &&
+              glossy.output_order <= kMaxOrder && (transfer.channels == 1 || transfer.channels == 3),
           "orders or channels are out of range");
-  const MatrixShape shape{static_cast<std::size_t>(coefficientCount(transfer.row_order)),
+  const MatrixShape shape{static_cast<std::size_t>(coefficientCount(glossy.output_order)),
                           static_cast<std::size_t>(coefficientCount(transfer.order))};
-  switch (transfer.storage) {
-    case formats::MatrixStorage::kVisibility:
-      return std::make_unique<VisibilityTiles>(transfer, shape);
-    case formats::MatrixStorage::kCpca:
-      return std::make_unique<CpcaTiles>(transfer, shape);
-    default:
-      return std::make_unique<MatrixTiles>(transfer, shape);
+  if (const auto* visibility = std::get_if<formats::VisibilityOperator>(&glossy.transfer)) {
+    require(transfer.channels == 1, "visibility has one channel");
+    return std::make_unique<VisibilityTiles>(visibility->visibility,
+                                             TripleProduct(glossy.output_order, transfer.order), shape);
   }
+  if (const auto* clustered = std::get_if<formats::ClusteredOperator>(&glossy.transfer))
+    return std::make_unique<CpcaTiles>(*clustered, transfer.channels, shape);
+  return std::make_unique<MatrixTiles>(std::get<formats::MatrixOperator>(glossy.transfer).matrices,
+                                       transfer.channels, shape);
 }
 
 }  // namespace bakelight::transport

@@ -49,9 +49,10 @@ struct TileTable {
 
 // What depends on the light alone.
 struct LightTables {
-  AlignedFloats light;    // [j][3]
+  AlignedFloats light;  // [j][3]
+  // Clusters only:
   AlignedFloats offsets;  // [3][row lane]: what kUint8's offsets transfer; empty for other precisions
-  AlignedFloats lanes;    // [j][3][row lane], see Kernels::multiplyBasis; kCpca only
+  AlignedFloats lanes;    // [j][3][row lane], see Kernels::multiplyBasis
 };
 
 // Tiles that are worked on together, all of one cluster in kCpca.
@@ -72,16 +73,11 @@ class GlossyTiles {
   std::span<const std::uint32_t> vertices(std::size_t tile) const {
     return {&vertices_[tile * kTile], counts_[tile]};
   }
-  // See GlossyEvaluator::vertexOrder.
-  std::span<const std::uint32_t> order() const { return vertices_; }
 
   virtual LightTables prepare(std::span<const Float3> light) const = 0;
   // Floats of scratch that the calls below share within a range.
   virtual std::size_t scratchSize() const = 0;
   virtual void beginRange(const TileRange&, const LightTables&, float*) const {}
-  // Overwrites radiance[3][lane].
-  virtual void shade(std::size_t tile, const LightTables& light, const float* rows, float* scratch,
-                     float* radiance) const = 0;
   // Adds to transferred[i · 3 + c][lane].
   virtual void transfer(std::size_t tile, const LightTables& light, float* scratch,
                         float* transferred) const = 0;
@@ -111,6 +107,6 @@ class GlossyTiles {
 };
 
 // Throws std::invalid_argument if there are no matrices or sizes do not fit together.
-std::unique_ptr<const GlossyTiles> makeGlossyTiles(const formats::RadianceTransfer& transfer);
+std::unique_ptr<const GlossyTiles> makeGlossyTiles(const formats::ShTransfer& transfer);
 
 }  // namespace bakelight::transport

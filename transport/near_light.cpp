@@ -9,15 +9,15 @@ void turnAbout(const Vec3& center, const Eigen::Matrix3d& rotation, std::vector<
   for (Float3& position : positions) position = float3(rotation * (vec3(position) - center) + center);
 }
 
-ShLight nearLight(const formats::Pack& pack, const Lighting& lighting, double time_s,
-                  const Eigen::Matrix3d& world_from_object) {
+ShLight nearLight(const formats::TriangleMesh& mesh, const LightNeeds& needs, const Lighting& lighting,
+                  double time_s, const Eigen::Matrix3d& world_from_object) {
   if (lighting.near.emitters.empty()) return {};
-  const BoundingSphere bounds = boundingSphere(pack.mesh);
+  const BoundingSphere bounds = boundingSphere(mesh);
   EmitterMesh emitters = emitterMesh(lighting.near, bounds, time_s);
   turnAbout(bounds.center, world_from_object.transpose(), emitters.mesh.positions);
-  const Vec3 center = pack.transfer.near_vectors.empty() ? bounds.center : vec3(pack.transfer.sphere_center);
+  const Vec3 center = needs.near_center.value_or(bounds.center);
   const formats::Image cube = renderEmitterCube(emitters, center, lighting.cube_resolution);
-  return projectCubeMap(cube, pack.transfer.order, "emitters");
+  return projectCubeMap(cube, needs.sh_order, "emitters");
 }
 
 }  // namespace bakelight::transport

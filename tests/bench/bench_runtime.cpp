@@ -1,8 +1,9 @@
-// Glossy evaluation on the CPU beside what the machine can do at best: shade() of 25 × 25 RGB over the bunny
-// of 10,800 vertices, for each storage and precision, on all cores.
+// Shading of a glossy pack on the CPU, as `report` times it, beside what the machine can do at best: 25 × 25
+// RGB over the bunny of 10,800 vertices, for each storage and precision, on all cores. light/…: a light
+// change (VertexShading::setLight, diffuse part included); view/…: a view change (setView).
 //
 // roofline_ratio = floor ÷ measured time; the floor is the larger of
-//   bytes ÷ read bandwidth: tables, rows of the eye and radiance, once; the bandwidth is that of a plain
+//   bytes ÷ read bandwidth: what the step reads and writes, once; the bandwidth is that of a plain
 //     multi-threaded sum over a buffer of the same size;
 //   multiply-adds ÷ their rate: those that the method cannot do without (docs/RUNTIME.md counts them); the
 //     rate is that of independent chains in registers, on the same threads with the same instructions.
@@ -21,20 +22,21 @@
 #include "formats/mesh_import.h"
 #include "formats/pack_contents.h"
 #include "tests/bench/roofline.h"
+#include "tests/support/pack_parts.h"
 #include "tools/simplify/simplify.h"
 #include "tools/transfer/transfer.h"
 #include "transport/camera.h"
 #include "transport/cpca.h"
-#include "transport/glossy.h"
 #include "transport/glossy_evaluator.h"
 #include "transport/lights.h"
+#include "transport/vertex_shading.h"
 
 namespace bakelight {
 namespace {
 
 using formats::Float3;
-using formats::MatrixStorage;
 using formats::Precision;
+using formats::Storage;
 using Clock = std::chrono::steady_clock;
 
 constexpr int kTriangles = 21596;  // about 10,800 vertices
@@ -49,17 +51,14 @@ std::filesystem::path data(const std::string& path) {
   return std::filesystem::path(folder != nullptr ? folder : BAKELIGHT_DATA_DIR) / path;
 }
 
-// The bunny with frames and Phong's lobe of exponent 20; without tables.
-const formats::Pack& bunny() {
-  static const formats::Pack pack = [] {
-    formats::Pack made;
+const formats::TriangleMesh& bunny() {
+  static const formats::TriangleMesh mesh = [] {
     const std::filesystem::path path = data("models/bunny.obj");
     simplify::SimplifyOptions options;
     options.triangles = kTriangles;
-    made.mesh = simplify::simplify(formats::importMesh(path).mesh, options, path).mesh;
-    return made;
+    return simplify::simplify(formats::importMesh(path).mesh, options, path).mesh;
   }();
-  return pack;
+  return mesh;
 }
 
 transfer::Transfer bake(transfer::Glossy glossy) {
@@ -68,7 +67,7 @@ transfer::Transfer bake(transfer::Glossy glossy) {
   options.directions = kDirections;
   options.glossy = glossy;
   stage::Progress silent(stage::ProgressStyle::kNone, "", 0, "");
-  return transfer::bakeTransfer(bunny().mesh, {}, options, silent);
+  return transfer::bakeTransfer(bunny(), {}, options, silent);
 }
 
 const transfer::Transfer& matrices() {
@@ -93,20 +92,22 @@ formats::EncodedTable encode(std::span<const float> values, std::size_t columns,
   return formats::encodeTable(values, columns, precision, "bench_runtime", "table");
 }
 
-formats::RadianceTransfer stored(MatrixStorage storage, Precision precision) {
-  formats::RadianceTransfer transfer;
-  transfer.order = transfer.row_order = kOrder;
-  transfer.storage = storage;
-  transfer.tangents = matrices().tangents;
-  if (storage == MatrixStorage::kMatrix) transfer.matrices = encode(matrices().matrices, kCells, precision);
-  if (storage == MatrixStorage::kVisibility)
-    transfer.matrices = encode(visibility().visibility, (2 * kOrder - 1) * (2 * kOrder - 1), precision);
-  if (storage == MatrixStorage::kCpca) {
-    transfer.matrices = encode(cpca().weights, kComponents, precision);
-    transfer.basis = encode(cpca().basis, kCells, precision);
-    transfer.clusters = cpca().clusters;
-  }
-  return transfer;
+// With Phong's lobe of exponent 20.
+formats::Pack packOf(Storage storage, Precision precision) {
+  formats::Pack pack{.name = "bunny", .mesh = bunny()};
+  formats::ShTransfer& transfer = pack.sh();
+  transfer.order = kOrder;
+  transfer.vectors = encode(matrices().vectors, kOrder * kOrder, Precision::kFloat32);
+  formats::GlossyTransfer& glossy = makeGlossy(transfer, storage, kOrder);
+  glossy.tangents = matrices().tangents;
+  if (storage == Storage::kMatrix) glossy.vertexTable() = encode(matrices().matrices, kCells, precision);
+  if (storage == Storage::kVisibility)
+    glossy.vertexTable() = encode(visibility().visibility, (2 * kOrder - 1) * (2 * kOrder - 1), precision);
+  if (storage == Storage::kCpca)
+    glossy.transfer = formats::ClusteredOperator{encode(cpca().weights, kComponents, precision),
+                                                 cpca().clusters, encode(cpca().basis, kCells, precision)};
+  reflectionOf(pack) = formats::PhongLobe{20, {1, 1, 1}};
+  return pack;
 }
 
 const transport::ShLight& light() {
@@ -117,32 +118,21 @@ const transport::ShLight& light() {
   return projected;
 }
 
-std::vector<float> eyeRows(bool object_frame, std::span<const std::uint32_t> vertex_order) {
-  formats::Pack pack = bunny();
-  pack.transfer.tangents = matrices().tangents;
-  const transport::BoundingSphere sphere = transport::boundingSphere(pack.mesh);
-  const transport::Vec3 eye = sphere.center + 3 * sphere.radius * transport::Vec3(0.3, 0.4, 1).normalized();
-  return transport::lobeRows(pack, transport::phongKernel(kOrder, 20), eye, object_frame, vertex_order);
+transport::Vec3 eye() {
+  const transport::BoundingSphere sphere = transport::boundingSphere(bunny());
+  return sphere.center + 3 * sphere.radius * transport::Vec3(0.3, 0.4, 1).normalized();
 }
 
-// Full matrices at single precision, summed in double.
-std::vector<std::array<double, 3>> exactRadiance() {
-  const transport::GlossyEvaluator order_of_tiles(stored(MatrixStorage::kMatrix, Precision::kFloat32));
-  const std::vector<float> rows = eyeRows(false, order_of_tiles.vertexOrder());
-  constexpr std::size_t kTile = transport::GlossyEvaluator::kTile;
-  const std::size_t count = bunny().mesh.vertexCount(), n = kOrder * kOrder;
-  std::vector<std::array<double, 3>> radiance(count);
-  for (std::size_t v = 0; v < count; ++v)
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = 0; j < n; ++j)
-        for (std::size_t c = 0; c < 3; ++c)
-          radiance[v][c] += double{rows[(v / kTile * n + i) * kTile + v % kTile]} *
-                            matrices().matrices[v * kCells + i * n + j] * light()[j][c];
-  return radiance;
-}
-
-double relativeError(std::span<const Float3> found) {
-  static const std::vector<std::array<double, 3>> exact = exactRadiance();
+// Against full matrices at single precision.
+double relativeError(const transport::VertexShading& shading) {
+  static const std::vector<Float3> exact = [] {
+    transport::VertexShading full(packOf(Storage::kMatrix, Precision::kFloat32));
+    full.setLight(light(), {});
+    full.setView(eye());
+    const auto radiance = full.vertexRadiance();
+    return std::vector<Float3>(radiance.begin(), radiance.end());
+  }();
+  const std::span<const Float3> found = shading.vertexRadiance();
   double error = 0, norm = 0;
   for (std::size_t v = 0; v < exact.size(); ++v)
     for (std::size_t c = 0; c < 3; ++c) {
@@ -171,67 +161,89 @@ void measure(const Work& work, std::vector<double>& seconds) {
   }
 }
 
-void shade(benchmark::State& state, MatrixStorage storage, Precision precision) {
-  const transport::GlossyEvaluator evaluator(stored(storage, precision));
-  const std::vector<float> rows = eyeRows(storage == MatrixStorage::kVisibility, evaluator.vertexOrder());
-  const std::size_t vertices = bunny().mesh.vertexCount();
-  std::vector<Float3> radiance(vertices);
+// What one step cannot do without.
+struct Floor {
+  double bytes = 0, multiply_adds = 0;
+};
 
-  const double bytes = static_cast<double>(evaluator.tableBytes() + rows.size() * sizeof(float) +
-                                           radiance.size() * sizeof(Float3));
-  const std::size_t buffer_size = static_cast<std::size_t>(bytes / sizeof(float)) / 64 * 64;
+Floor floorOf(const formats::Pack& pack, bool of_light) {
+  const transport::GlossyEvaluator glossy(pack.sh());
+  const auto vertices = static_cast<double>(pack.mesh.vertexCount());
+  constexpr double kCoefficients = kOrder * kOrder;
+  const double transferred = vertices * kCoefficients * sizeof(Float3), radiance = vertices * sizeof(Float3);
+  if (of_light)
+    return {static_cast<double>(glossy.tableBytes()) + vertices * kCoefficients * sizeof(float) +
+                transferred + radiance,
+            glossy.multiplyAdds() + vertices * kCoefficients * 3};
+  // Positions, normals and tangents are read, too; basis functions take as many multiply-adds as their sum.
+  return {transferred + 2 * radiance + vertices * (2 * sizeof(Float3) + sizeof(formats::Float4)),
+          vertices * kCoefficients * (3 + 1)};
+}
+
+void shade(benchmark::State& state, bool of_light, Storage storage, Precision precision) {
+  const formats::Pack pack = packOf(storage, precision);
+  transport::VertexShading shading(pack);
+  shading.setLight(light(), {});
+  const transport::Vec3 from = eye();
+  const Floor floor = floorOf(pack, of_light);
+
+  const std::size_t buffer_size = static_cast<std::size_t>(floor.bytes / sizeof(float)) / 64 * 64;
   const auto buffer = hwy::AllocateAligned<float>(buffer_size);
   std::fill_n(buffer.get(), buffer_size, 1.0f);
 
-  // As many multiply-adds as the evaluation makes, so that waking the threads weighs the same in both.
+  // As many multiply-adds as the step makes, so that waking the threads weighs the same in both.
   constexpr std::size_t kTrialSteps = 4096;
   float trial = 0;
-  const auto chain_steps = static_cast<std::size_t>(
-      std::lround(kTrialSteps * evaluator.multiplyAdds() / multiplyAddChains(kTrialSteps, trial)));
+  const auto chain_steps = static_cast<std::size_t>(std::max<long>(
+      1, std::lround(kTrialSteps * floor.multiply_adds / multiplyAddChains(kTrialSteps, trial))));
 
   for (auto _ : state) {
-    std::vector<double> shade_s, read_s, chains_s;
+    std::vector<double> step_s, read_s, chains_s;
     double chained = 0;
     float sink = 0;
     for (int round = 0; round < kRounds; ++round) {
-      measure([&] { evaluator.shade(light(), rows, radiance); }, shade_s);
+      measure([&] { of_light ? shading.setLight(light(), {}) : shading.setView(from); }, step_s);
       measure([&] { sink += static_cast<float>(readSum({buffer.get(), buffer_size})); }, read_s);
       measure([&] { chained = multiplyAddChains(chain_steps, sink); }, chains_s);
     }
     benchmark::DoNotOptimize(sink);
     const double buffer_bytes = static_cast<double>(buffer_size * sizeof(float));
     const auto floors = [&](const auto& typical) {
-      return std::pair(bytes / buffer_bytes * typical(read_s),
-                       evaluator.multiplyAdds() / chained * typical(chains_s));
+      return std::pair(floor.bytes / buffer_bytes * typical(read_s),
+                       floor.multiply_adds / chained * typical(chains_s));
     };
-    const double measured = median(shade_s);
+    const double measured = median(step_s);
     const auto [bytes_floor_s, sums_floor_s] = floors(median);
     const auto [best_bytes_floor_s, best_sums_floor_s] = floors(least);
     state.SetIterationTime(measured);
     state.counters["roofline_ratio"] = std::max(bytes_floor_s, sums_floor_s) / measured;
-    state.counters["best_ratio"] = std::max(best_bytes_floor_s, best_sums_floor_s) / least(shade_s);
-    state.counters["rel_error"] = relativeError(radiance);
-    state.counters["bytes_per_vertex"] =
-        static_cast<double>(evaluator.tableBytes()) / static_cast<double>(vertices);
-    state.counters["gflop_per_s"] = 2e-9 * evaluator.multiplyAdds() / measured;
+    state.counters["best_ratio"] = std::max(best_bytes_floor_s, best_sums_floor_s) / least(step_s);
+    shading.setView(from);
+    state.counters["rel_error"] = relativeError(shading);
+    state.counters["bytes_per_vertex"] = floor.bytes / static_cast<double>(pack.mesh.vertexCount());
+    state.counters["gflop_per_s"] = 2e-9 * floor.multiply_adds / measured;
     state.counters["read_floor_ms"] = 1e3 * bytes_floor_s;
     state.counters["multiply_add_floor_ms"] = 1e3 * sums_floor_s;
-    state.counters["read_gb_per_s"] = 1e-9 * bytes / bytes_floor_s;
-    state.counters["peak_gflop_per_s"] = 2e-9 * evaluator.multiplyAdds() / sums_floor_s;
-    state.counters["vertices"] = static_cast<double>(vertices);
+    state.counters["read_gb_per_s"] = 1e-9 * floor.bytes / bytes_floor_s;
+    state.counters["peak_gflop_per_s"] = 2e-9 * floor.multiply_adds / sums_floor_s;
+    state.counters["vertices"] = static_cast<double>(pack.mesh.vertexCount());
     state.SetLabel(instructionSet());
   }
 }
 
 const bool registered = [] {
-  for (const auto storage : {MatrixStorage::kMatrix, MatrixStorage::kVisibility, MatrixStorage::kCpca})
-    for (const auto precision : {Precision::kFloat32, Precision::kFloat16, Precision::kUint8}) {
-      const std::string name = std::string("shade/") + nameOf(storage) + "/" + nameOf(precision);
-      benchmark::RegisterBenchmark(name.c_str(), shade, storage, precision)
-          ->Iterations(1)
-          ->UseManualTime()
-          ->Unit(benchmark::kMillisecond);
-    }
+  for (const bool of_light : {true, false})
+    for (const auto storage : {Storage::kMatrix, Storage::kVisibility, Storage::kCpca})
+      for (const auto precision : {Precision::kFloat32, Precision::kFloat16, Precision::kUint8}) {
+        // Transferred radiance is float32 whatever it came from: one view change is as another.
+        if (!of_light && (storage == Storage::kCpca || precision != Precision::kFloat32)) continue;
+        const std::string name =
+            std::string(of_light ? "light/" : "view/") + nameOf(storage) + "/" + nameOf(precision);
+        benchmark::RegisterBenchmark(name.c_str(), shade, of_light, storage, precision)
+            ->Iterations(1)
+            ->UseManualTime()
+            ->Unit(benchmark::kMillisecond);
+      }
   return true;
 }();
 

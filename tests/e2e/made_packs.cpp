@@ -64,8 +64,8 @@ formats::Pack packOf(TriangleMesh mesh, int order) {
   formats::Pack pack;
   pack.name = "made";
   pack.mesh = std::move(mesh);
-  pack.transfer.order = order;
-  pack.transfer.transport = "unshadowed";
+  pack.sh().order = order;
+  pack.sh().transport = formats::Transport::kUnshadowed;
   std::vector<float> vectors;
   const auto factors = transport::clampedCosineFactors(order);
   for (const auto& normal : pack.mesh.normals) {
@@ -75,7 +75,7 @@ formats::Pack packOf(TriangleMesh mesh, int order) {
         vectors.push_back(
             static_cast<float>(factors[l] / std::numbers::pi * basis[transport::coefficientIndex(l, m)]));
   }
-  pack.transfer.vectors = tableOf(vectors, transport::coefficientCount(order));
+  pack.sh().vectors = tableOf(vectors, transport::coefficientCount(order));
   return pack;
 }
 
@@ -89,7 +89,7 @@ formats::Float4 tangentOf(const Vec3& normal, std::size_t vertex) {
 
 // Columns t, b, n.
 Eigen::Matrix3d objectFromLocal(const formats::Pack& pack, std::size_t vertex) {
-  const auto& tangent = pack.transfer.tangents[vertex];
+  const auto& tangent = pack.sh().glossy->tangents[vertex];
   const Vec3 n = transport::vec3(pack.mesh.normals[vertex]).normalized();
   const Vec3 t(tangent[0], tangent[1], tangent[2]);
   Eigen::Matrix3d frame;
@@ -136,9 +136,9 @@ std::vector<float> hemisphereVisibility(const formats::Pack& pack, int order) {
 
 std::vector<float> hemisphereMatrices(const formats::Pack& pack, int row_order, int channels) {
   using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const transport::TripleProduct product(row_order, pack.transfer.order);
+  const transport::TripleProduct product(row_order, pack.sh().order);
   const int rows = transport::coefficientCount(row_order),
-            columns = transport::coefficientCount(pack.transfer.order);
+            columns = transport::coefficientCount(pack.sh().order);
   const std::size_t visibility_count = transport::coefficientCount(product.visibilityOrder());
   const auto visibility = hemisphereVisibility(pack, product.visibilityOrder());
   const FrameChange change(row_order);
@@ -160,13 +160,13 @@ std::vector<float> hemisphereMatrices(const formats::Pack& pack, int row_order, 
 // Eight clusters by octant, two components, all smooth made-up numbers.
 void addClusters(formats::Pack& pack, int row_order, int channels) {
   constexpr std::size_t kClusters = 8, kComponents = 2;
-  formats::RadianceTransfer& transfer = pack.transfer;
+  formats::ShTransfer& transfer = pack.sh();
   const std::size_t size = static_cast<std::size_t>(channels) * transport::coefficientCount(row_order) *
                            transport::coefficientCount(transfer.order);
   std::vector<float> weights, basis;
   for (const auto& normal : pack.mesh.normals) {
-    transfer.clusters.push_back((normal[0] > 0 ? 1U : 0U) + (normal[1] > 0 ? 2U : 0U) +
-                                (normal[2] > 0 ? 4U : 0U));
+    clustersOf(transfer).clusters.push_back((normal[0] > 0 ? 1U : 0U) + (normal[1] > 0 ? 2U : 0U) +
+                                            (normal[2] > 0 ? 4U : 0U));
     weights.insert(weights.end(), {normal[0], normal[1] * normal[2]});
   }
   for (std::size_t row = 0; row < kClusters * (1 + kComponents); ++row)
@@ -174,8 +174,8 @@ void addClusters(formats::Pack& pack, int row_order, int channels) {
       basis.push_back(
           static_cast<float>(0.3 * std::sin(0.7 * static_cast<double>(row) + 0.37 * static_cast<double>(i)) +
                              (row % 3 == 0 && i % (size / channels) == 0 ? 0.8 : 0)));
-  transfer.matrices = tableOf(weights, kComponents);
-  transfer.basis = tableOf(basis, size);
+  transfer.glossy->vertexTable() = tableOf(weights, kComponents);
+  clustersOf(transfer).basis = tableOf(basis, size);
 }
 
 }  // namespace
@@ -196,17 +196,15 @@ formats::Pack wavyPack(int order, int rings) {
   addBall(mesh, rings / 2, center + Vec3(0.7, 0.35, 1.1), [](double, double) { return 0.25; });
   setNormals(mesh);
   formats::Pack pack = packOf(std::move(mesh), order);
-  pack.base_color = {0.9f, 0.6f, 0.3f};
+  pack.appearances[0].base_color = {0.9f, 0.6f, 0.3f};
   return pack;
 }
 
-void addGlossyTransfer(formats::Pack& pack, int row_order, formats::MatrixStorage storage, int channels) {
-  formats::RadianceTransfer& transfer = pack.transfer;
-  transfer.storage = storage;
-  transfer.row_order = row_order;
-  transfer.tangents.clear();
+void addGlossyTransfer(formats::Pack& pack, int row_order, formats::Storage storage, int channels) {
+  formats::ShTransfer& transfer = pack.sh();
+  makeGlossy(transfer, storage, row_order);
   for (std::size_t v = 0; v < pack.mesh.vertexCount(); ++v)
-    transfer.tangents.push_back(tangentOf(transport::vec3(pack.mesh.normals[v]).normalized(), v));
+    transfer.glossy->tangents.push_back(tangentOf(transport::vec3(pack.mesh.normals[v]).normalized(), v));
   if (channels == 3 && transfer.channels == 1) {
     const std::vector<float> one = transfer.vectors.decode();
     const std::size_t columns = transfer.vectors.columns;
@@ -218,11 +216,11 @@ void addGlossyTransfer(formats::Pack& pack, int row_order, formats::MatrixStorag
     transfer.channels = 3;
   }
   const int visibility_order = row_order + transfer.order - 1;
-  if (storage == formats::MatrixStorage::kMatrix) {
+  if (storage == formats::Storage::kMatrix) {
     const auto matrices = hemisphereMatrices(pack, row_order, channels);
-    transfer.matrices = tableOf(matrices, matrices.size() / pack.mesh.vertexCount());
-  } else if (storage == formats::MatrixStorage::kVisibility) {
-    transfer.matrices =
+    transfer.glossy->vertexTable() = tableOf(matrices, matrices.size() / pack.mesh.vertexCount());
+  } else if (storage == formats::Storage::kVisibility) {
+    transfer.glossy->vertexTable() =
         tableOf(hemisphereVisibility(pack, visibility_order), transport::coefficientCount(visibility_order));
   } else {
     addClusters(pack, row_order, channels);
@@ -230,9 +228,12 @@ void addGlossyTransfer(formats::Pack& pack, int row_order, formats::MatrixStorag
 }
 
 void encodeAt(formats::Precision precision, formats::Pack& pack) {
-  for (formats::EncodedTable* table :
-       {&pack.transfer.vectors, &pack.transfer.near_vectors, &pack.transfer.matrices, &pack.transfer.basis})
-    if (!table->empty()) *table = tableOf(table->decode(), table->columns, precision);
+  formats::ShTransfer& transfer = pack.sh();
+  std::vector<formats::EncodedTable*> tables = {&transfer.vectors};
+  if (transfer.near_field) tables.push_back(&transfer.near_field->vectors);
+  if (transfer.glossy) tables.push_back(&transfer.glossy->vertexTable());
+  if (storageOf(transfer) == formats::Storage::kCpca) tables.push_back(&clustersOf(transfer).basis);
+  for (formats::EncodedTable* table : tables) *table = tableOf(table->decode(), table->columns, precision);
 }
 
 formats::BrdfTable madeBrdfTable(int angles, int order) {
@@ -251,10 +252,9 @@ formats::BrdfTable madeBrdfTable(int angles, int order) {
 void addNearTransfer(formats::Pack& pack, float radius) {
   constexpr int kDirections = 4096;
   const auto directions = transport::sphereDirections(kDirections);
-  const int count = transport::coefficientCount(pack.transfer.order);
+  const int count = transport::coefficientCount(pack.sh().order);
   std::vector<std::vector<double>> basis;
-  for (const Vec3& direction : directions)
-    basis.push_back(transport::evaluateSh(pack.transfer.order, direction));
+  for (const Vec3& direction : directions) basis.push_back(transport::evaluateSh(pack.sh().order, direction));
   std::vector<float> vectors;
   for (std::size_t v = 0; v < pack.mesh.vertexCount(); ++v) {
     const Vec3 position = transport::vec3(pack.mesh.positions[v]);
@@ -272,9 +272,7 @@ void addNearTransfer(formats::Pack& pack, float radius) {
     }
     vectors.insert(vectors.end(), vector.begin(), vector.end());
   }
-  pack.transfer.near_vectors = tableOf(vectors, count);
-  pack.transfer.sphere_center = {0, 0, 0};
-  pack.transfer.sphere_radius = radius;
+  pack.sh().near_field = {{0, 0, 0}, radius, tableOf(vectors, count)};
 }
 
 void scaleMesh(formats::Pack& pack, float factor) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "formats/pack.h"
+#include "tests/support/pack_parts.h"
 
 namespace bakelight::tests {
 
@@ -16,7 +17,7 @@ formats::Pack wavyPack(int order, int rings);
 // Makes the pack glossy: matrices of the open hemisphere above each vertex (visibility is the indicator
 // function of the hemisphere), tinted a channel if `channels` is 3. Every third frame is left-handed. kCpca
 // holds no such matrices but made-up clusters, weights and bases. The material is the caller's.
-void addGlossyTransfer(formats::Pack& pack, int row_order, formats::MatrixStorage storage, int channels = 1);
+void addGlossyTransfer(formats::Pack& pack, int row_order, formats::Storage storage, int channels = 1);
 
 // All tables at another precision.
 void encodeAt(formats::Precision precision, formats::Pack& pack);

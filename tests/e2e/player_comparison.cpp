@@ -10,9 +10,9 @@
 #include "formats/light_rig_file.h"
 #include "formats/pack.h"
 #include "tests/e2e/silhouette.h"
+#include "tests/support/pack_parts.h"
 #include "transport/cpu_renderer.h"
 #include "transport/frame.h"
-#include "transport/glossy_evaluator.h"
 #include "transport/light_rig.h"
 #include "transport/lighting.h"
 #include "transport/near_light.h"
@@ -90,29 +90,45 @@ CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& 
   const auto bounds = transport::boundingSphere(pack.mesh);
   const auto camera = transport::frameCamera(settings, bounds);
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(settings);
-  const transport::ShRotation rotation(pack.transfer.order,
+  const std::unique_ptr<transport::PackShading> shading = transport::makePackShading(pack);
+  const transport::LightNeeds needs = shading->needs();
+  const transport::ShRotation rotation(needs.sh_order,
                                        world_from_object.transpose() * transport::worldFromLight(settings));
-  const auto near_light = transport::nearLight(pack, lighting, settings.time_s, world_from_object);
+  const auto nearLightAt = [&](double time_s, const Eigen::Matrix3d& turn) {
+    return transport::nearLight(pack.mesh, needs, lighting, time_s, turn);
+  };
   const Vec3 eye = world_from_object.transpose() * (camera.eye() - bounds.center) + bounds.center;
-  auto radiance = transport::evaluatePack(pack, rotation.apply(lighting.distant), near_light, eye);
+  shading->setLight(rotation.apply(lighting.distant), nearLightAt(settings.time_s, world_from_object));
+  shading->setView(eye);
 
   formats::TriangleMesh scene_mesh;
   scene_mesh.positions = pack.mesh.positions;
   scene_mesh.triangles = pack.mesh.triangles;
   transport::turnAbout(bounds.center, world_from_object, scene_mesh.positions);
   auto exposure_light = lighting.distant;
+  transport::EmitterMesh emitters;
   if (!lighting.near.emitters.empty()) {
-    const auto emitters = transport::emitterMesh(lighting.near, bounds, settings.time_s);
+    emitters = transport::emitterMesh(lighting.near, bounds, settings.time_s);
     append(scene_mesh, emitters.mesh);
-    radiance.insert(radiance.end(), emitters.radiance.begin(), emitters.radiance.end());
-    exposure_light =
-        transport::sum(exposure_light, transport::nearLight(pack, lighting, 0, Eigen::Matrix3d::Identity()));
+    exposure_light = transport::sum(exposure_light, nearLightAt(0, Eigen::Matrix3d::Identity()));
   }
+  const auto glow = transport::interpolated(emitters.mesh.triangles, emitters.radiance);
+  const auto object_triangles = static_cast<std::uint32_t>(pack.mesh.triangleCount());
+  const auto shade = [&](std::span<const transport::SurfaceHit> hits, std::span<transport::Float3> radiance) {
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      transport::SurfaceHit hit = hits[i];
+      if (hit.triangle < object_triangles) {
+        shading->radianceAt({&hit, 1}, radiance.subspan(i, 1));
+      } else {
+        hit.triangle -= object_triangles;
+        glow({&hit, 1}, radiance.subspan(i, 1));
+      }
+    }
+  };
 
   const transport::RayScene scene(scene_mesh);
   const transport::PictureGrid grid{settings.width_px, settings.height_px, settings.supersampling};
-  const auto picture =
-      transport::renderOnCpu(scene_mesh, scene, radiance, camera, grid, backdropOf(lighting, settings));
+  const auto picture = transport::renderOnCpu(scene, shade, camera, grid, backdropOf(lighting, settings));
   CpuFrame frame;
   const auto exposure = static_cast<float>(transport::exposureFactor(settings, exposure_light));
   frame.display = transport::encodeForDisplay(picture.linear, exposure);
@@ -163,7 +179,7 @@ PlayerComparison comparePlayerWithCpu(const fs::path& player_executable, const f
   const formats::Pack pack = formats::readPack(pack_path);
   transport::Lighting lighting =
       transport::lightingFor(formats::readLights(lights.environment_path, lights.rig_path, lights.windowing),
-                             pack.transfer.order, lights.rig_path.string());
+                             pack.sh().order, lights.rig_path.string());
   lighting.cube_resolution = lights.cube_resolution;
   const CpuFrame cpu = renderFrameOnCpu(pack, lighting, settings);
   formats::writePng(folder / "cpu.png", cpu.display);
@@ -171,7 +187,7 @@ PlayerComparison comparePlayerWithCpu(const fs::path& player_executable, const f
     throw std::runtime_error(picture_path.string() + " has another size than was asked for");
 
   PlayerComparison result;
-  result.allowed_difference = pack.transfer.storage == formats::MatrixStorage::kNone ? 1 : 2;
+  result.allowed_difference = storageOf(pack.sh()) == formats::Storage::kNone ? 1 : 2;
   result.pixels = cpu.silhouette.size();
   for (int y = 0; y < played.height; ++y)
     for (int x = 0; x < played.width; ++x) {

@@ -164,30 +164,30 @@ TEST_F(PlayerAgainstCpu, NearTransferWithCoarseAndFineCube) {
 }
 
 TEST_F(PlayerAgainstCpu, GlossyInEachStorageAndPrecision) {
-  using formats::MatrixStorage, formats::Precision;
-  formats::GlossyMaterial phong, ggx, table;
-  phong.model = formats::LobeModel::kPhong;
+  using formats::Storage, formats::Precision;
+  formats::MadeReflection phong, ggx, table;
+  phong.model = formats::Lobe::kPhong;
   phong.exponent = 20;
   phong.specular_color = {0.6F, 0.5F, 0.4F};
-  ggx.model = formats::LobeModel::kGgx;
+  ggx.model = formats::Lobe::kGgx;
   ggx.roughness = 0.4F;
   ggx.specular_color = {0.3F, 0.5F, 0.6F};
-  table.model = formats::LobeModel::kTable;
+  table.model = formats::Lobe::kTable;
   table.table = madeBrdfTable(16, 4);
   const struct {
-    MatrixStorage storage;
+    Storage storage;
     Precision precision;
     int channels;
-    const formats::GlossyMaterial& material;
-  } cases[] = {{MatrixStorage::kMatrix, Precision::kFloat32, 1, phong},
-               {MatrixStorage::kMatrix, Precision::kUint8, 3, ggx},
-               {MatrixStorage::kVisibility, Precision::kFloat16, 1, ggx},
-               {MatrixStorage::kVisibility, Precision::kUint8, 1, table},
-               {MatrixStorage::kCpca, Precision::kFloat16, 3, phong}};
+    const formats::MadeReflection& material;
+  } cases[] = {{Storage::kMatrix, Precision::kFloat32, 1, phong},
+               {Storage::kMatrix, Precision::kUint8, 3, ggx},
+               {Storage::kVisibility, Precision::kFloat16, 1, ggx},
+               {Storage::kVisibility, Precision::kUint8, 1, table},
+               {Storage::kCpca, Precision::kFloat16, 3, phong}};
   for (const auto& made : cases) {
     formats::Pack pack = wavyPack(5, 48);
     addGlossyTransfer(pack, 4, made.storage, made.channels);
-    pack.transfer.material = made.material;
+    reflectionOf(pack) = made.material;
     encodeAt(made.precision, pack);
     SCOPED_TRACE(std::string(nameOf(made.storage)) + ' ' + nameOf(made.precision) + ' ' +
                  nameOf(made.material.model));
@@ -199,9 +199,8 @@ TEST_F(PlayerAgainstCpu, GlossyInEachStorageAndPrecision) {
 
 TEST_F(PlayerAgainstCpu, GlossyUnderEmitters) {
   formats::Pack pack = wavyPack(4, 48);
-  addGlossyTransfer(pack, 4, formats::MatrixStorage::kMatrix);
-  pack.transfer.material.model = formats::LobeModel::kGgx;
-  pack.transfer.material.roughness = 0.3F;
+  addGlossyTransfer(pack, 4, formats::Storage::kMatrix);
+  reflectionOf(pack) = formats::GgxLobe{0.3F, {1, 1, 1}};
   formats::FrameSettings settings = kSmall;
   settings.distance = 0.9;
   settings.exposure_ev = -1;

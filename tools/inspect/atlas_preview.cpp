@@ -172,7 +172,9 @@ Image drawModel(const TriangleMesh& mesh, const std::vector<std::uint32_t>& tria
       radiance.push_back(color);
     }
   const double exposure = defaultExposure();
-  transport::CpuPicture picture = takePicture(takenApart(mesh), radiance, camera, exposure, options);
+  const formats::TriangleMesh apart = takenApart(mesh);
+  transport::CpuPicture picture =
+      takePicture(apart, transport::interpolated(apart.triangles, radiance), camera, exposure, options);
   drawBorders(picture, triangle_regions);
   return transport::encodeForDisplay(picture.linear, static_cast<float>(exposure));
 }

@@ -1,3 +1,4 @@
+#include "formats/field_list.h"
 #include "formats/pack.h"
 #include "tools/inspect/describe.h"
 #include "tools/inspect/describe_parts.h"
@@ -6,11 +7,7 @@
 
 namespace bakelight::inspect {
 
-using formats::EncodedTable;
-using formats::GlossyMaterial;
-using formats::LobeModel;
-using formats::MatrixStorage;
-using formats::RadianceTransfer;
+using formats::FieldValue;
 
 namespace {
 
@@ -19,7 +16,7 @@ Section packSection(const formats::Pack& pack, std::span<const std::byte> bytes,
           {{"version", formats::packVersion(bytes, file), ""},
            {"extension", "BAKELIGHT_radiance_transfer", ""},
            {"name", pack.name, ""},
-           {"base_color", listOf(pack.base_color), "linear"},
+           {"materials", pack.appearances.size(), ""},
            {"vertex_colors", !pack.colors.empty(), ""},
            {"bytes_per_vertex",
             static_cast<double>(bytes.size()) / static_cast<double>(pack.mesh.vertexCount()), ""}},
@@ -41,60 +38,51 @@ Section fileSections(const formats::Pack& pack, std::span<const std::byte> bytes
   return table;
 }
 
-Section transferSection(const RadianceTransfer& transfer) {
-  Section section{"transfer",
-                  {{"order", transfer.order, "bands"},
-                   {"coefficients", transport::coefficientCount(transfer.order), ""},
-                   {"transport", transfer.transport, ""},
-                   {"channels", transfer.channels, ""},
-                   {"storage", nameOf(transfer.storage), ""}},
-                  {},
-                  {}};
-  if (!transfer.near_vectors.empty()) {
-    section.figures.push_back({"sphere_center", listOf(transfer.sphere_center), ""});
-    section.figures.push_back({"sphere_radius", numberOf(transfer.sphere_radius), ""});
-  }
-  if (transfer.storage != MatrixStorage::kNone)
-    section.figures.push_back({"row_order", transfer.row_order, "bands"});
-  if (transfer.storage == MatrixStorage::kCpca) {
-    section.figures.push_back({"clusters", transfer.basis.rows / (1 + transfer.matrices.columns), ""});
-    section.figures.push_back({"weights", transfer.matrices.columns, "per vertex"});
+formats::Json shown(const formats::Json& value) {
+  if (value.is_number_float()) return numberOf(value.get<float>());
+  if (!value.is_array()) return value;
+  formats::Json list = formats::Json::array();
+  for (const formats::Json& element : value) list.push_back(shown(element));
+  return list;
+}
+
+// Kind and plain fields of a part.
+Section partSection(const std::string& name, const formats::PackPart& part) {
+  Section section{name, {{"kind", part.kind(), ""}}, {}, {}};
+  for (const FieldValue& field : formats::fieldsOf(part)) {
+    const bool is_short = !field.plain.is_array() || field.plain.size() <= 4;
+    if (field.isPlain() && is_short) section.figures.push_back({field.name, shown(field.plain), ""});
   }
   return section;
 }
 
-Section lobeSection(const GlossyMaterial& material) {
-  Section section{"lobe", {{"model", nameOf(material.model), ""}}, {}, {}};
-  if (material.model == LobeModel::kTable) {
-    section.figures.push_back({"angles", material.table.angles, ""});
-    section.figures.push_back({"order", material.table.order, "bands"});
-    return section;
-  }
-  if (material.model == LobeModel::kPhong)
-    section.figures.push_back({"exponent", numberOf(material.exponent), ""});
-  if (material.model == LobeModel::kGgx)
-    section.figures.push_back({"roughness", numberOf(material.roughness), ""});
-  section.figures.push_back({"specular_color", listOf(material.specular_color), "linear"});
+Section materialSection(std::size_t index, const formats::Appearance& appearance) {
+  Section section = partSection("material " + std::to_string(index), appearance.reflection);
+  section.figures.insert(section.figures.begin(), {{"name", appearance.material, ""},
+                                                   {"base_color", listOf(appearance.base_color), "linear"}});
   return section;
 }
 
-Section tableSection(const RadianceTransfer& transfer) {
+void addTables(Section& section, const std::string& prefix, const formats::PackPart& part) {
+  for (const FieldValue& field : formats::fieldsOf(part)) {
+    if (field.isPlain()) continue;
+    Moments moments;
+    for (const float value : field.table != nullptr ? field.table->decode() : field.values)
+      moments.add(value);
+    const formats::Json precision = field.table != nullptr ? nameOf(field.table->precision) : "float32";
+    const std::size_t columns = field.table != nullptr ? field.table->columns : 1;
+    const std::size_t rows = field.table != nullptr ? field.table->rows : field.values.size();
+    section.rows.push_back({prefix + field.name, precision, rows, columns, moments.minimum(), moments.mean(),
+                            moments.maximum(), moments.rootMeanSquare()});
+  }
+}
+
+Section tableSection(const formats::Pack& pack) {
   Section section{
       "tables", {}, {"table", "precision", "rows", "columns", "minimum", "mean", "maximum", "rms"}, {}};
-  const auto add = [&](const char* name, const EncodedTable& table) {
-    if (table.empty()) return;
-    Moments moments;
-    for (const float value : table.decode()) moments.add(value);
-    section.rows.push_back({name, nameOf(table.precision), table.rows, table.columns, moments.minimum(),
-                            moments.mean(), moments.maximum(), moments.rootMeanSquare()});
-  };
-  add("vectors", transfer.vectors);
-  add("near_vectors", transfer.near_vectors);
-  add(transfer.storage == MatrixStorage::kVisibility ? "visibility"
-      : transfer.storage == MatrixStorage::kCpca     ? "weights"
-                                                     : "matrices",
-      transfer.matrices);
-  add("basis", transfer.basis);
+  addTables(section, "", pack.transfer);
+  for (std::size_t i = 0; i < pack.appearances.size(); ++i)
+    addTables(section, "material " + std::to_string(i) + " ", pack.appearances[i].reflection);
   return section;
 }
 
@@ -102,15 +90,17 @@ Section tableSection(const RadianceTransfer& transfer) {
 
 std::vector<Section> describePack(const formats::Pack& pack, std::span<const std::byte> bytes,
                                   const std::string& file) {
-  const RadianceTransfer& transfer = pack.transfer;
   std::vector<Section> sections = {packSection(pack, bytes, file), fileSections(pack, bytes, file),
-                                   transferSection(transfer)};
-  if (transfer.material.model != LobeModel::kNone) sections.push_back(lobeSection(transfer.material));
-  sections.push_back(tableSection(transfer));
-  sections.push_back(bandSection("energy_per_sh_band", transfer.vectors.decode(), transfer.order));
-  if (!transfer.near_vectors.empty())
-    sections.push_back(
-        bandSection("near_energy_per_sh_band", transfer.near_vectors.decode(), transfer.order));
+                                   partSection("transfer", pack.transfer)};
+  for (std::size_t i = 0; i < pack.appearances.size(); ++i)
+    sections.push_back(materialSection(i, pack.appearances[i]));
+  sections.push_back(tableSection(pack));
+  if (const auto* transfer = pack.transfer.as<formats::ShTransfer>()) {
+    sections.push_back(bandSection("energy_per_sh_band", transfer->vectors.decode(), transfer->order));
+    if (transfer->near_field)
+      sections.push_back(
+          bandSection("near_energy_per_sh_band", transfer->near_field->vectors.decode(), transfer->order));
+  }
   for (Section& section : describeMesh(pack.mesh, {})) sections.push_back(std::move(section));
   return sections;
 }

@@ -99,18 +99,21 @@ const std::pair<const std::string, formats::Tensor>& tableOf(const formats::Tens
 
 Preview previewMesh(const TriangleMesh& mesh, const PreviewOptions& options, const std::string& file) {
   const transport::OrbitCamera camera = cameraFor(mesh, options, file);
-  return {render(mesh, clayRadiance(mesh), camera, defaultExposure(), options),
+  const std::vector<Float3> clay = clayRadiance(mesh);
+  return {render(mesh, transport::interpolated(mesh.triangles, clay), camera, defaultExposure(), options),
           mesh.normals.empty() ? "clay without shadows, with normals made for this picture"
                                : "clay without shadows, with the file's normals"};
 }
 
 Preview previewPack(const formats::Pack& pack, const PreviewOptions& options, const std::string& file) {
   const transport::OrbitCamera camera = cameraFor(pack.mesh, options, file);
-  const transport::ShLight light = transport::defaultLight(pack.transfer.order);
+  const std::unique_ptr<transport::PackShading> shading = transport::makePackShading(pack);
+  const transport::ShLight light = transport::defaultLight(std::max(shading->needs().sh_order, 1));
+  shading->setLight(light, {});
+  shading->setView(camera.eye());
   const double exposure = exposureFor(light);
-  return {
-      render(pack.mesh, transport::evaluatePack(pack, light, {}, camera.eye()), camera, exposure, options),
-      "the pack's transfer under the default light" + format(", exposure %+.2f EV", std::log2(exposure))};
+  return {render(pack.mesh, transport::radianceOf(*shading), camera, exposure, options),
+          "the pack's transfer under the default light" + format(", exposure %+.2f EV", std::log2(exposure))};
 }
 
 Preview previewImage(const Image& image, bool display_encoded, const PreviewOptions& options) {

@@ -71,7 +71,7 @@ std::vector<Float3> clayRadiance(const TriangleMesh& mesh) {
   return transport::evaluateDiffuse(vectors, kClayOrder, transport::defaultLight(kClayOrder));
 }
 
-transport::CpuPicture takePicture(const TriangleMesh& mesh, const std::vector<Float3>& vertex_radiance,
+transport::CpuPicture takePicture(const TriangleMesh& mesh, const transport::RadianceAtHits& shade,
                                   const transport::OrbitCamera& camera, double exposure,
                                   const PreviewOptions& options) {
   const transport::RayScene scene(mesh);
@@ -79,13 +79,13 @@ transport::CpuPicture takePicture(const TriangleMesh& mesh, const std::vector<Fl
     const auto grey = static_cast<float>(kBackdropRadiance / exposure);
     return formats::Float4{grey, grey, grey, 1};
   };
-  return transport::renderOnCpu(mesh, scene, vertex_radiance, camera,
-                                {options.size_px, options.size_px, kSupersampling}, backdrop);
+  return transport::renderOnCpu(scene, shade, camera, {options.size_px, options.size_px, kSupersampling},
+                                backdrop);
 }
 
-Image render(const TriangleMesh& mesh, const std::vector<Float3>& vertex_radiance,
+Image render(const TriangleMesh& mesh, const transport::RadianceAtHits& shade,
              const transport::OrbitCamera& camera, double exposure, const PreviewOptions& options) {
-  return transport::encodeForDisplay(takePicture(mesh, vertex_radiance, camera, exposure, options).linear,
+  return transport::encodeForDisplay(takePicture(mesh, shade, camera, exposure, options).linear,
                                      static_cast<float>(exposure));
 }
 

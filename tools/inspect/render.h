@@ -30,13 +30,12 @@ double defaultExposure();
 std::vector<formats::Float3> clayRadiance(const formats::TriangleMesh& mesh);
 
 // Before a dark backdrop of the same brightness at any exposure.
-transport::CpuPicture takePicture(const formats::TriangleMesh& mesh,
-                                  const std::vector<formats::Float3>& vertex_radiance,
+transport::CpuPicture takePicture(const formats::TriangleMesh& mesh, const transport::RadianceAtHits& shade,
                                   const transport::OrbitCamera& camera, double exposure,
                                   const PreviewOptions& options);
 
 // takePicture, encoded for display.
-formats::Image render(const formats::TriangleMesh& mesh, const std::vector<formats::Float3>& vertex_radiance,
+formats::Image render(const formats::TriangleMesh& mesh, const transport::RadianceAtHits& shade,
                       const transport::OrbitCamera& camera, double exposure, const PreviewOptions& options);
 
 }  // namespace bakelight::inspect

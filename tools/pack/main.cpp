@@ -48,7 +48,9 @@ int main(int argc, char** argv) {
     const formats::Pack pack =
         packing::assemblePack(formats::readPly(mesh_path), transfer, brdf ? &*brdf : nullptr, options,
                               {mesh_path.string(), transfer_path.string(), brdf_path.string()});
-    const formats::Bytes bytes = formats::encodePack(pack, file_options, pack_path.string());
+    formats::Pack ordered = pack;
+    packing::orderByMaterial(ordered);
+    const formats::Bytes bytes = formats::encodePack(ordered, file_options, pack_path.string());
     formats::writeFileAtomically(pack_path, bytes);
     packing::report(pack, transfer, bytes, pack_path.string(), run);
   });

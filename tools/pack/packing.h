@@ -36,10 +36,16 @@ const std::vector<std::string>& lobeNames();
 // both. Throws Error(kBadInput) naming tensor or key if one says something that a pack of this version cannot
 // hold, if a shape does not fit the mesh, or if it was baked for another mesh; at /lobe or /brdf if lobe,
 // transfer and table do not go together: a lobe needs matrices, matrices need a lobe, and a table is read for
-// lobe "table" only. The pack itself is judged by formats::encodePack.
+// lobe "table" only. There is an appearance for each material that a triangle has; vertices stay as the
+// transfer file has them, to be put in order by orderByMaterial. The pack itself is judged by
+// formats::encodePack.
 formats::Pack assemblePack(formats::TriangleMesh mesh, const formats::TensorFile& transfer,
                            const formats::TensorFile* brdf, const PackingOptions& options,
                            const SourceNames& files);
+
+// Triangles and vertices in the order of the pack's appearances; a vertex that two of them share becomes two.
+// Vertices without a triangle are dropped then; with one appearance nothing changes.
+void orderByMaterial(formats::Pack& pack);
 
 // Throws Error(kBadInput) at /position_bits or /normal_bits: 0, or 8–30 and 6–30.
 void checkOptions(const formats::PackOptions& options);

@@ -1,6 +1,7 @@
 #include "tools/pack/report.h"
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "tools/pack/packing.h"
@@ -8,23 +9,25 @@
 namespace bakelight::packing {
 namespace {
 
-formats::Float3 largestAlbedo(const formats::Pack& pack) {
-  if (pack.colors.empty()) return pack.base_color;
+// Of the vertices' own albedo.
+formats::Float3 largestColor(const formats::Pack& pack) {
+  if (pack.colors.empty()) return {1, 1, 1};
   formats::Float3 largest{};
-  for (const formats::Float3& color : pack.colors) {
-    for (std::size_t c = 0; c < 3; ++c) largest[c] = std::max(largest[c], color[c] * pack.base_color[c]);
-  }
+  for (const formats::Float3& color : pack.colors)
+    for (std::size_t c = 0; c < 3; ++c) largest[c] = std::max(largest[c], color[c]);
   return largest;
 }
 
 bool reflectsTooMuch(const formats::Pack& pack) {
-  const formats::GlossyMaterial& material = pack.transfer.material;
-  if (material.model != formats::LobeModel::kPhong && material.model != formats::LobeModel::kGgx)
-    return false;
   constexpr float kRounding = 1e-6F;
-  const formats::Float3 albedo = largestAlbedo(pack);
-  for (std::size_t c = 0; c < 3; ++c) {
-    if (albedo[c] + material.specular_color[c] > 1 + kRounding) return true;
+  const formats::Float3 largest = largestColor(pack);
+  for (const formats::Appearance& appearance : pack.appearances) {
+    const auto* phong = appearance.reflection.as<formats::PhongLobe>();
+    const auto* ggx = appearance.reflection.as<formats::GgxLobe>();
+    if (phong == nullptr && ggx == nullptr) continue;
+    const formats::Float3& specular = phong != nullptr ? phong->specular_color : ggx->specular_color;
+    for (std::size_t c = 0; c < 3; ++c)
+      if (largest[c] * appearance.base_color[c] + specular[c] > 1 + kRounding) return true;
   }
   return false;
 }
@@ -39,18 +42,19 @@ void report(const formats::Pack& pack, const formats::TensorFile& transfer, std:
   run.stat("vertices", written.mesh.vertexCount());
   run.stat("triangles", written.mesh.triangleCount());
   run.stat("bytes", bytes.size());
-  formats::Json per_vertex = formats::Json::object();
+  std::map<std::string, double> sizes;
   for (const formats::PackSection& section : formats::packSections(bytes, file)) {
-    per_vertex[section.name] = static_cast<double>(section.size_bytes) / vertices;
+    double& bytes_per_vertex = sizes[section.name];  // primitives have sections of the same name
+    bytes_per_vertex += static_cast<double>(section.size_bytes) / vertices;
   }
-  run.stat("bytes_per_vertex", std::move(per_vertex));
-  run.stat("storage", nameOf(pack.transfer.storage));
+  run.stat("bytes_per_vertex", sizes);
+  const auto& glossy = pack.sh().glossy;
+  run.stat("storage", glossy ? glossy->operatorName() : "none");
+  run.stat("materials", written.appearances.size());
   run.stat("albedo_source", transfer.tensors.contains("albedo") ? "transfer"
                             : pack.colors.empty()               ? "parameter"
                                                                 : "mesh");
-  if (pack.transfer.storage != formats::MatrixStorage::kNone) {
-    run.stat("precision_error", precisionErrors(pack, transfer));
-  }
+  if (glossy) run.stat("precision_error", precisionErrors(pack, transfer));
   if (reflectsTooMuch(pack)) {
     run.warn("albedo and specular_color add up to more than 1: the object reflects more light than it gets");
   }

@@ -1,5 +1,6 @@
 #include "tools/pack/transfer_reader.h"
 
+#include <algorithm>
 #include <cstring>
 #include <utility>
 
@@ -8,7 +9,6 @@ namespace {
 
 using formats::ElementType;
 using formats::EncodedTable;
-using formats::MatrixStorage;
 using formats::Precision;
 using formats::Tensor;
 
@@ -17,7 +17,7 @@ class TransferReader {
   TransferReader(const TensorSource& source, std::uint64_t vertices, Precision precision)
       : source_(source), vertices_(vertices), precision_(precision) {}
 
-  formats::RadianceTransfer read() {
+  formats::ShTransfer read() {
     const std::string& technique = source_.text("technique");
     if (technique != "diffuse" && technique != "glossy") {
       throw source_.error("metadata technique", "it is '" + technique + "'", "'diffuse' or 'glossy'");
@@ -26,7 +26,7 @@ class TransferReader {
     source_.requireText("albedo", "outside");
     source_.requireText("inverse_pi", "inside");
     result_.order = source_.order("order");
-    result_.transport = source_.text("transport");
+    result_.transport = transportOf(source_.text("transport"));
     readDiffuse();
     if (source_.has("near_transfer")) readNearField();
     if (technique == "glossy") readGlossy();
@@ -36,7 +36,16 @@ class TransferReader {
  private:
   std::uint64_t channels() const { return static_cast<std::uint64_t>(result_.channels); }
   std::uint64_t matrixValues() const {
-    return channels() * squared(result_.row_order) * squared(result_.order);
+    return channels() * squared(result_.glossy->output_order) * squared(result_.order);
+  }
+
+  formats::Transport transportOf(const std::string& name) const {
+    const auto& names = formats::kTransportNames;
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end())
+      throw source_.error("metadata transport", "it is '" + name + "'",
+                          "'unshadowed', 'shadowed' or 'interreflected'");
+    return static_cast<formats::Transport>(found - names.begin());
   }
 
   EncodedTable vectors(const char* name) const {
@@ -56,22 +65,21 @@ class TransferReader {
   }
 
   void readNearField() {
-    result_.near_vectors = vectors("near_transfer");
     const auto sphere = source_.tensor("sphere", {4}, "centre and radius").as<float>();
-    result_.sphere_center = {sphere[0], sphere[1], sphere[2]};
-    result_.sphere_radius = sphere[3];
+    result_.near_field = {{sphere[0], sphere[1], sphere[2]}, sphere[3], vectors("near_transfer")};
   }
 
   void readGlossy() {
-    result_.row_order = source_.order("row_order");
+    formats::GlossyTransfer& glossy = result_.glossy.emplace();
+    glossy.output_order = source_.order("row_order");
     readTangents();
     const std::string& storage = source_.text("storage");
     if (storage == "matrix") {
-      readMatrices();
+      glossy.transfer = readMatrices();
     } else if (storage == "visibility") {
-      readVisibility();
+      glossy.transfer = readVisibility();
     } else if (storage == "cpca") {
-      readClusters();
+      glossy.transfer = readClusters();
     } else {
       throw source_.error("metadata storage", "it is '" + storage + "'", "'matrix', 'visibility' or 'cpca'");
     }
@@ -79,61 +87,60 @@ class TransferReader {
 
   void readTangents() {
     const auto values = source_.tensor("tangent", {vertices_, 4}, "vertices × (x, y, z, sign)").as<float>();
-    result_.tangents.resize(vertices_);
-    if (!values.empty()) std::memcpy(result_.tangents.data(), values.data(), values.size_bytes());
+    std::vector<formats::Float4>& tangents = result_.glossy->tangents;
+    tangents.resize(vertices_);
+    if (!values.empty()) std::memcpy(tangents.data(), values.data(), values.size_bytes());
   }
 
-  void readMatrices() {
-    result_.storage = MatrixStorage::kMatrix;
-    const Tensor& tensor =
-        source_.tensor("matrix", {vertices_, channels(), squared(result_.row_order), squared(result_.order)},
-                       "vertices × channels × row_order² × order²");
-    result_.matrices = source_.table("matrix", tensor, matrixValues(), precision_);
+  formats::MatrixOperator readMatrices() const {
+    const Tensor& tensor = source_.tensor(
+        "matrix", {vertices_, channels(), squared(result_.glossy->output_order), squared(result_.order)},
+        "vertices × channels × row_order² × order²");
+    return {source_.table("matrix", tensor, matrixValues(), precision_)};
   }
 
-  void readVisibility() {
-    result_.storage = MatrixStorage::kVisibility;
+  formats::VisibilityOperator readVisibility() const {
     if (result_.channels != 1) {
       throw source_.error("metadata storage", "visibility has no colour, but the transfer has 3 channels",
                           "1 channel; or storage matrix or cpca, which hold coloured interreflection");
     }
-    const std::uint64_t values = squared(result_.row_order + result_.order - 1);
+    const std::uint64_t values = squared(result_.glossy->output_order + result_.order - 1);
     const Tensor& tensor =
         source_.tensor("visibility", {vertices_, values}, "vertices × (row_order + order − 1)²");
-    result_.matrices = source_.table("visibility", tensor, values, precision_);
+    return {source_.table("visibility", tensor, values, precision_)};
   }
 
-  void readClusters() {
-    result_.storage = MatrixStorage::kCpca;
+  formats::ClusteredOperator readClusters() const {
     const Tensor& weights = source_.tensor("weights", 2);
     const std::uint64_t components = weights.shape[1];
     if (weights.shape[0] != vertices_ || components == 0) {
       throw source_.error("tensor weights", "its shape is " + shapeText(weights.shape),
                           std::to_string(vertices_) + " × 1 or more, vertices × weights");
     }
-    result_.matrices = source_.table("weights", weights, components, precision_);
+    formats::ClusteredOperator result;
+    result.weights = source_.table("weights", weights, components, precision_);
     const Tensor& basis = source_.tensor("basis", 5);
-    source_.tensor(
-        "basis",
-        {basis.shape[0], 1 + components, channels(), squared(result_.row_order), squared(result_.order)},
-        "clusters × (1 + weights) × channels × row_order² × order²");
-    result_.basis = source_.table("basis", basis, matrixValues(),
-                                  precision_ == Precision::kUint8 ? Precision::kFloat16 : precision_);
+    source_.tensor("basis",
+                   {basis.shape[0], 1 + components, channels(), squared(result_.glossy->output_order),
+                    squared(result_.order)},
+                   "clusters × (1 + weights) × channels × row_order² × order²");
+    result.basis = source_.table("basis", basis, matrixValues(),
+                                 precision_ == Precision::kUint8 ? Precision::kFloat16 : precision_);
     const auto clusters =
         source_.tensor("cluster", {vertices_}, "one a vertex", ElementType::kUint32).as<std::uint32_t>();
-    result_.clusters.assign(clusters.begin(), clusters.end());
+    result.clusters.assign(clusters.begin(), clusters.end());
+    return result;
   }
 
   const TensorSource& source_;
   std::uint64_t vertices_;
   Precision precision_;
-  formats::RadianceTransfer result_;
+  formats::ShTransfer result_;
 };
 
 }  // namespace
 
-formats::RadianceTransfer readTransfer(const TensorSource& source, std::uint64_t vertices,
-                                       Precision precision) {
+formats::ShTransfer readTransfer(const TensorSource& source, std::uint64_t vertices, Precision precision) {
   return TransferReader(source, vertices, precision).read();
 }
 

@@ -8,9 +8,9 @@
 
 namespace bakelight::packing {
 
-// Without the lobe. Throws Error(kBadInput) naming tensor or key for what does not fit `vertices`, for what a
+// Throws Error(kBadInput) naming tensor or key for what does not fit `vertices`, for what a
 // pack cannot hold, and for values that do not fit `precision` (see PackingOptions).
-formats::RadianceTransfer readTransfer(const TensorSource& source, std::uint64_t vertices,
-                                       formats::Precision precision);
+formats::ShTransfer readTransfer(const TensorSource& source, std::uint64_t vertices,
+                                 formats::Precision precision);
 
 }  // namespace bakelight::packing

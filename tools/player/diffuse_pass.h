@@ -18,7 +18,7 @@ struct Albedo {
 
 class DiffusePass {
  public:
-  // `table` is RadianceTransfer::vectors or near_vectors of a transfer with `channels` and `order`, and
+  // `table` is the vectors or near_field vectors of a transfer with `channels` and `order`, and
   // outlives the pass. If `adds`, evaluate() adds to another pass's radiance. `largest_block_bytes`: see
   // rowRanges.
   DiffusePass(const GpuTable& table, int order, int channels, const Albedo& albedo, bool adds,

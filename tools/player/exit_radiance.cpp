@@ -1,6 +1,8 @@
 #include "tools/player/exit_radiance.h"
 
+#include <algorithm>
 #include <stdexcept>
+#include <vector>
 
 #include "tools/player/gl_program.h"
 #include "tools/player/gpu_light.h"
@@ -9,43 +11,65 @@
 namespace bakelight::player {
 namespace {
 
-using formats::LobeModel;
-using formats::MatrixStorage;
+bool hasReflection(const formats::Pack& pack) {
+  return pack.sh().glossy &&
+         std::any_of(pack.appearances.begin(), pack.appearances.end(),
+                     [](const formats::Appearance& appearance) {
+                       return appearance.reflection.as<formats::LambertReflection>() == nullptr;
+                     });
+}
 
-bool isGlossy(const formats::RadianceTransfer& transfer) {
-  return transfer.storage != MatrixStorage::kNone && transfer.material.model != LobeModel::kNone;
+bool hasTable(const formats::Pack& pack) {
+  return std::any_of(pack.appearances.begin(), pack.appearances.end(),
+                     [](const formats::Appearance& appearance) {
+                       return appearance.reflection.as<formats::BrdfTable>() != nullptr;
+                     });
+}
+
+// Base colours of the appearances, times the vertices' own.
+std::vector<formats::Float3> vertexAlbedos(const formats::Pack& pack) {
+  std::vector<formats::Float3> albedos = pack.colors;
+  albedos.resize(pack.mesh.vertexCount(), {1, 1, 1});
+  const std::vector<formats::VertexRange> ranges = formats::appearanceRanges(pack);
+  for (std::size_t i = 0; i < ranges.size(); ++i)
+    for (std::size_t v = ranges[i].first; v < ranges[i].end; ++v)
+      for (std::size_t c = 0; c < 3; ++c) albedos[v][c] *= pack.appearances[i].base_color[c];
+  return albedos;
 }
 
 }  // namespace
 
 ExitRadiance::ExitRadiance(const formats::Pack& pack, const transport::Vec3& origin, const Buffer* near_light)
-    : order_(pack.transfer.order),
-      vectors_(pack.transfer.vectors),
+    : order_(pack.sh().order),
+      vectors_(pack.sh().vectors),
       distant_light_(makeLightBuffer()),
       near_light_(near_light) {
-  const formats::RadianceTransfer& transfer = pack.transfer;
+  const formats::ShTransfer& transfer = pack.sh();
   const std::size_t count = pack.mesh.vertexCount();
   if (vectors_.rows() != count || (!pack.colors.empty() && pack.colors.size() != count))
     throw std::invalid_argument("transfer table and vertex count do not fit together");
 
-  Albedo albedo{pack.base_color, nullptr};
-  if (!pack.colors.empty()) {
+  Albedo albedo{pack.appearances.front().base_color, nullptr};
+  if (pack.appearances.size() > 1) {
+    vertex_colors_ = makeBuffer(count * sizeof(formats::Float3), vertexAlbedos(pack).data());
+    albedo = {{1, 1, 1}, &vertex_colors_};
+  } else if (!pack.colors.empty()) {
     vertex_colors_ = makeBuffer(count * sizeof(formats::Float3), pack.colors.data());
     albedo.vertex_colors = &vertex_colors_;
   }
   distant_.emplace(vectors_, transfer.order, transfer.channels, albedo, false);
   if (near_light_ != nullptr) {
-    near_vectors_ = GpuTable(transfer.near_vectors);
+    if (transfer.near_field) near_vectors_ = GpuTable(transfer.near_field->vectors);
     near_.emplace(near_vectors_.empty() ? vectors_ : near_vectors_, transfer.order, transfer.channels, albedo,
                   true);
   }
-  if (!isGlossy(transfer)) return;
-  if (transfer.matrices.rows != count)
+  if (!hasReflection(pack)) return;
+  if (transfer.glossy->vertexTable().rows != count)
     throw std::invalid_argument("transfer matrices and vertex count do not fit together");
-  const bool visibility = transfer.storage == MatrixStorage::kVisibility;
-  const bool expand = visibility && transfer.material.model == LobeModel::kTable;
+  const bool object_frame = transfer.glossy->isInObjectFrame();
+  const bool expand = object_frame && hasTable(pack);
   transfer_.emplace(expand ? matricesFromVisibility(pack) : transfer);
-  glossy_.emplace(pack, origin, visibility && !expand);
+  glossy_.emplace(pack, origin, object_frame && !expand);
   if (near_light_ != nullptr) {
     total_light_ = makeLightBuffer();
     sum_program_ = makeComputeProgram({kSumLightsComp});

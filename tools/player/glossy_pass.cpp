@@ -16,24 +16,30 @@ namespace bakelight::player {
 namespace {
 
 using formats::Float3;
-using formats::LobeModel;
 using transport::Vec3;
 
-std::vector<float> kernelOf(const formats::GlossyMaterial& material, int row_order) {
+std::vector<float> kernelOf(const formats::PackPart& reflection, int output_order) {
   std::vector<double> kernel;
-  if (material.model == LobeModel::kPhong) kernel = transport::phongKernel(row_order, material.exponent);
-  if (material.model == LobeModel::kGgx) kernel = transport::ggxKernel(row_order, material.roughness);
+  if (const auto* phong = reflection.as<formats::PhongLobe>())
+    kernel = transport::phongKernel(output_order, phong->exponent);
+  if (const auto* ggx = reflection.as<formats::GgxLobe>())
+    kernel = transport::ggxKernel(output_order, ggx->roughness);
   return {kernel.begin(), kernel.end()};
 }
 
-std::string definitionsOf(const formats::RadianceTransfer& transfer, bool object_frame) {
+Float3 specularColorOf(const formats::PackPart& reflection) {
+  if (const auto* phong = reflection.as<formats::PhongLobe>()) return phong->specular_color;
+  if (const auto* ggx = reflection.as<formats::GgxLobe>()) return ggx->specular_color;
+  return {1, 1, 1};
+}
+
+std::string definitionsOf(int output_order, const formats::BrdfTable* table, bool object_frame) {
   const auto unsignedText = [](int value) { return std::to_string(value) + "u\n"; };
-  std::string text = "#define ROW_ORDER " + unsignedText(transfer.row_order);
+  std::string text = "#define ROW_ORDER " + unsignedText(output_order);
   if (object_frame) text += "#define OBJECT_FRAME\n";
-  if (transfer.material.model == LobeModel::kTable) {
-    text += "#define BRDF_ANGLES " + unsignedText(transfer.material.table.angles);
-    text += "#define BRDF_COEFFICIENTS " +
-            unsignedText(transport::coefficientCount(transfer.material.table.order));
+  if (table != nullptr) {
+    text += "#define BRDF_ANGLES " + unsignedText(table->angles);
+    text += "#define BRDF_COEFFICIENTS " + unsignedText(transport::coefficientCount(table->order));
   }
   return text;
 }
@@ -55,81 +61,108 @@ Eigen::Matrix3d objectFromLocal(const Float3& normal, const formats::Float4& tan
 
 GlossyPass::GlossyPass(const formats::Pack& pack, const Vec3& origin, bool object_frame,
                        std::size_t largest_block_bytes)
-    : specular_color_(pack.transfer.material.specular_color),
-      kernel_(kernelOf(pack.transfer.material, pack.transfer.row_order)),
-      origin_(origin),
-      transferred_bytes_(transport::coefficientCount(pack.transfer.row_order) * sizeof(Float3)),
-      ranges_(rowRanges(pack.mesh.vertexCount(), transferred_bytes_, 1, largest_block_bytes)),
-      program_(makeComputeProgram({kGlossyComp}, definitionsOf(pack.transfer, object_frame))) {
-  const auto& material = pack.transfer.material;
+    : origin_(origin),
+      transferred_bytes_(transport::coefficientCount(pack.sh().glossy.value().output_order) * sizeof(Float3)),
+      ranges_(rowRanges(pack.mesh.vertexCount(), transferred_bytes_, 1, largest_block_bytes)) {
+  const formats::GlossyTransfer& transfer = *pack.sh().glossy;
   const std::size_t count = pack.mesh.vertexCount();
-  if (pack.mesh.normals.size() != count || pack.transfer.tangents.size() != count)
+  if (pack.mesh.normals.size() != count || transfer.tangents.size() != count)
     throw std::invalid_argument("a glossy pack needs a frame a vertex");
-  if (material.model == LobeModel::kTable) {
-    if (object_frame || material.table.order < pack.transfer.row_order)
+  const std::vector<formats::VertexRange> vertices = formats::appearanceRanges(pack);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const formats::PackPart& part = pack.appearances[i].reflection;
+    if (part.as<formats::LambertReflection>() != nullptr) {
+      some_are_diffuse_ = true;
+      continue;
+    }
+    const auto* table = part.as<formats::BrdfTable>();
+    if (table != nullptr && (object_frame || table->order < transfer.output_order))
       throw std::invalid_argument("BRDF table and transfer do not fit together");
-    brdf_ = bufferOf(material.table.values);
+    reflections_.push_back(
+        {vertices[i],
+         makeComputeProgram({kGlossyComp}, definitionsOf(transfer.output_order, table, object_frame)),
+         kernelOf(part, transfer.output_order), specularColorOf(part),
+         table != nullptr ? bufferOf(table->values) : Buffer()});
+    if (table == nullptr && reflections_.back().kernel.empty())
+      throw std::invalid_argument(std::string("reflection ") + part.kind() + " is none at vertices");
   }
   std::vector<Float3> positions;
   for (const auto& position : pack.mesh.positions)
     positions.push_back(transport::float3(transport::vec3(position) - origin));
   positions_ = bufferOf(positions);
   normals_ = bufferOf(pack.mesh.normals);
-  tangents_ = bufferOf(pack.transfer.tangents);
+  tangents_ = bufferOf(transfer.tangents);
   radiance_ = makeBuffer(count * sizeof(Float3), nullptr);
   throwIfGlFailed("preparing the glossy pass");
 }
 
 void GlossyPass::evaluate(const Vec3& eye, const Buffer& transferred, const Buffer& diffuse) const {
-  glUseProgram(program_.name());
-  const Float3 from_origin = transport::float3(eye - origin_);
-  glUniform3fv(1, 1, from_origin.data());
-  if (brdf_.name() != 0) {
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, brdf_.name());
+  const Float3 eye_from_origin = transport::float3(eye - origin_);
+  if (some_are_diffuse_)
+    glCopyNamedBufferSubData(diffuse.name(), radiance_.name(), 0, 0,
+                             static_cast<GLsizeiptr>(sizeInBytes(radiance_)));
+  for (const Reflection& reflection : reflections_)
+    evaluate(reflection, transferred, diffuse, eye_from_origin);
+  glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+  throwIfGlFailed("reflecting towards the eye");
+}
+
+void GlossyPass::evaluate(const Reflection& reflection, const Buffer& transferred, const Buffer& diffuse,
+                          const Float3& eye_from_origin) const {
+  glUseProgram(reflection.program.name());
+  glUniform3fv(1, 1, eye_from_origin.data());
+  if (reflection.kernel.empty()) {
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, reflection.brdf.name());
   } else {
-    glUniform3fv(2, 1, specular_color_.data());
-    glUniform1fv(3, static_cast<GLsizei>(kernel_.size()), kernel_.data());
+    glUniform3fv(2, 1, reflection.specular_color.data());
+    glUniform1fv(3, static_cast<GLsizei>(reflection.kernel.size()), reflection.kernel.data());
   }
   for (const RowRange& range : ranges_) {
+    const std::size_t first = std::max(range.first, reflection.vertices.first);
+    const std::size_t end = std::min(range.first + range.count, reflection.vertices.end);
+    if (first >= end) continue;
     bindRows(0, transferred, range, transferred_bytes_);
     bindRows(1, positions_, range, sizeof(Float3));
     bindRows(2, radiance_, range, sizeof(Float3));
     bindRows(3, normals_, range, sizeof(Float3));
     bindRows(4, tangents_, range, sizeof(formats::Float4));
     bindRows(5, diffuse, range, sizeof(Float3));
-    glUniform1ui(0, static_cast<GLuint>(range.count));
-    dispatchItems(range.count);
+    glUniform1ui(0, static_cast<GLuint>(end - range.first));
+    glUniform1ui(13, static_cast<GLuint>(first - range.first));
+    dispatchItems(end - first);
   }
-  glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
-  throwIfGlFailed("reflecting towards the eye");
 }
 
 std::size_t GlossyPass::gpuBytes() const {
-  return sizeInBytes(positions_) + sizeInBytes(normals_) + sizeInBytes(tangents_) + sizeInBytes(brdf_) +
-         sizeInBytes(radiance_);
+  std::size_t bytes =
+      sizeInBytes(positions_) + sizeInBytes(normals_) + sizeInBytes(tangents_) + sizeInBytes(radiance_);
+  for (const Reflection& reflection : reflections_) bytes += sizeInBytes(reflection.brdf);
+  return bytes;
 }
 
-formats::RadianceTransfer matricesFromVisibility(const formats::Pack& pack) {
-  const formats::RadianceTransfer& source = pack.transfer;
-  const transport::TripleProduct product(source.row_order, source.order);
-  const std::size_t rows = transport::coefficientCount(source.row_order);
-  const std::size_t columns = transport::coefficientCount(source.order);
-  const std::vector<float> visibility = source.matrices.decode();
+formats::ShTransfer matricesFromVisibility(const formats::Pack& pack) {
+  const formats::ShTransfer& transfer = pack.sh();
+  const formats::GlossyTransfer& source = transfer.glossy.value();
+  const int order = source.output_order;
+  const formats::EncodedTable& table = std::get<formats::VisibilityOperator>(source.transfer).visibility;
+  const transport::TripleProduct product(order, transfer.order);
+  const std::size_t rows = transport::coefficientCount(order);
+  const std::size_t columns = transport::coefficientCount(transfer.order);
+  const std::vector<float> visibility = table.decode();
   std::vector<float> matrices(pack.mesh.vertexCount() * rows * columns);
   tbb::parallel_for(std::size_t{0}, pack.mesh.vertexCount(), [&](std::size_t v) {
     std::vector<float> matrix(rows * columns);
-    product.matrixOf(std::span(visibility).subspan(v * source.matrices.columns, source.matrices.columns),
-                     matrix);
+    product.matrixOf(std::span(visibility).subspan(v * table.columns, table.columns), matrix);
     // A left-handed frame is a right-handed one mirrored in y, which turns the sign of every m < 0.
     Eigen::Matrix3d frame = objectFromLocal(pack.mesh.normals[v], source.tangents[v]);
     const bool mirrored = frame.determinant() < 0;
     if (mirrored) frame.col(1) = -frame.col(1);
-    const transport::ShRotation local_from_object(source.row_order, frame.transpose());
+    const transport::ShRotation local_from_object(order, frame.transpose());
     std::vector<double> column(rows), turned(rows);
     for (std::size_t j = 0; j < columns; ++j) {
       for (std::size_t i = 0; i < rows; ++i) column[i] = matrix[i * columns + j];
       local_from_object.apply(column, turned);
-      for (int l = 0; l < source.row_order; ++l)
+      for (int l = 0; l < order; ++l)
         for (int m = -l; m <= l; ++m) {
           const int i = transport::coefficientIndex(l, m);
           matrices[(v * rows + i) * columns + j] =
@@ -137,17 +170,14 @@ formats::RadianceTransfer matricesFromVisibility(const formats::Pack& pack) {
         }
     }
   });
-  formats::RadianceTransfer result;
-  result.order = source.order;
-  result.row_order = source.row_order;
-  result.storage = formats::MatrixStorage::kMatrix;
-  result.matrices = formats::EncodedTable{formats::Precision::kFloat32,
-                                          pack.mesh.vertexCount(),
-                                          rows * columns,
-                                          formats::Bytes(matrices.size() * sizeof(float)),
-                                          {},
-                                          {}};
-  std::memcpy(result.matrices.data.data(), matrices.data(), result.matrices.data.size());
+  formats::ShTransfer result;
+  result.order = transfer.order;
+  result.glossy.emplace();
+  result.glossy->output_order = order;
+  formats::Bytes bytes(matrices.size() * sizeof(float));
+  std::memcpy(bytes.data(), matrices.data(), bytes.size());
+  result.glossy->transfer = formats::MatrixOperator{formats::EncodedTable{
+      formats::Precision::kFloat32, pack.mesh.vertexCount(), rows * columns, std::move(bytes), {}, {}}};
   return result;
 }
 

@@ -1,5 +1,5 @@
 // Glossy shading: a compute shader that reflects transferred radiance towards the eye at each vertex. Runs in
-// every frame. transport::evaluatePack does the same on the CPU.
+// every frame. transport::VertexShading does the same on the CPU.
 #pragma once
 
 #include <cstddef>
@@ -14,14 +14,14 @@ namespace bakelight::player {
 
 class GlossyPass {
  public:
-  // `pack` has a material and matrices. Positions on the GPU are counted from `origin`. `object_frame`: the
-  // transferred radiance is in the object's frame (lobes only). Throws std::invalid_argument for sizes that
-  // do not fit together. `largest_block_bytes`: see rowRanges.
+  // `pack` has glossy transfer, and a reflection other than Lambert. Positions on the GPU are counted from
+  // `origin`. `object_frame`: the transferred radiance is in the object's frame (lobes only). Throws
+  // std::invalid_argument for sizes that do not fit together. `largest_block_bytes`: see rowRanges.
   GlossyPass(const formats::Pack& pack, const transport::Vec3& origin, bool object_frame,
              std::size_t largest_block_bytes = 0);
 
   // `eye` in the object's space; `transferred` from TransferPass, `diffuse` n × RGB, which is added. Cost:
-  // 6 · row_order² multiply-adds a vertex, and the basis functions.
+  // 6 · output_order² multiply-adds a vertex, and the basis functions.
   void evaluate(const transport::Vec3& eye, const Buffer& transferred, const Buffer& diffuse) const;
 
   // n × RGB float32; fit for a vertex attribute.
@@ -29,18 +29,27 @@ class GlossyPass {
   std::size_t gpuBytes() const;
 
  private:
-  formats::Float3 specular_color_;
-  std::vector<float> kernel_;  // empty for a BRDF table
+  // Vertices that reflect alike.
+  struct Reflection {
+    formats::VertexRange vertices;
+    Program program;
+    std::vector<float> kernel;  // empty for a BRDF table
+    formats::Float3 specular_color = {1, 1, 1};
+    Buffer brdf;
+  };
+  void evaluate(const Reflection& reflection, const Buffer& transferred, const Buffer& diffuse,
+                const formats::Float3& eye_from_origin) const;
+
   transport::Vec3 origin_;
   std::size_t transferred_bytes_;  // a vertex
   std::vector<RowRange> ranges_;
-  Program program_;
-  Buffer positions_, normals_, tangents_, brdf_, radiance_;
+  std::vector<Reflection> reflections_;
+  bool some_are_diffuse_ = false;
+  Buffer positions_, normals_, tangents_, radiance_;
 };
 
-// A pack of visibility vectors whose material is a table: the same as float32 matrices in the local frame,
-// since a table's rows are no rotations of one another. Cost: a rotation of row_order² × order² values a
-// vertex.
-formats::RadianceTransfer matricesFromVisibility(const formats::Pack& pack);
+// Visibility vectors as float32 matrices in the local frame, for reflection by a table, whose rows are no
+// rotations of one another. Cost: a rotation of output_order² × order² values a vertex.
+formats::ShTransfer matricesFromVisibility(const formats::Pack& pack);
 
 }  // namespace bakelight::player

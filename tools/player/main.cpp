@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
         formats::readLights(options.environment_path, options.lights_path, options.windowing);
     for (const std::string& note : formats::notesOn(rig)) run.warn(note);
     transport::Lighting lighting =
-        transport::lightingFor(std::move(rig), pack.transfer.order, options.lights_path.string());
+        transport::lightingFor(std::move(rig), pack.sh().order, options.lights_path.string());
     const std::string ringing =
         transport::ringingWarning(transport::minimumOverMean(lighting.distant), lighting.window);
     if (!ringing.empty()) run.warn(ringing);

@@ -27,17 +27,20 @@ void declareOptions(stage::Tool& tool, Options& options) {
 
 void reportStats(stage::Run& run, const formats::Pack& pack, const transport::Lighting& lighting,
                  const HeadlessPicture& picture) {
-  const formats::RadianceTransfer& transfer = pack.transfer;
+  const formats::ShTransfer& transfer = pack.sh();
   run.stat("vertices", pack.mesh.vertexCount());
   run.stat("triangles", pack.mesh.triangleCount());
   run.stat("order", transfer.order);
   run.stat("precision", formats::nameOf(transfer.vectors.precision));
-  run.stat("storage", formats::nameOf(transfer.storage));
-  if (transfer.storage != formats::MatrixStorage::kNone) {
-    run.stat("row_order", transfer.row_order);
-    run.stat("matrix_precision", formats::nameOf(transfer.matrices.precision));
-    run.stat("material", formats::nameOf(transfer.material.model));
+  run.stat("storage", transfer.glossy ? transfer.glossy->operatorName() : "none");
+  if (transfer.glossy) {
+    run.stat("row_order", transfer.glossy->output_order);
+    run.stat("matrix_precision", formats::nameOf(transfer.glossy->vertexTable().precision));
   }
+  formats::Json reflections = formats::Json::array();
+  for (const formats::Appearance& appearance : pack.appearances)
+    reflections.push_back(appearance.reflection.kind());
+  run.stat("reflection", std::move(reflections));
   run.stat("exposure", picture.exposure);
   run.stat("window", lighting.window);
   run.stat("moved_energy", lighting.moved_energy);

@@ -30,10 +30,11 @@ std::vector<formats::Float3> centered(const formats::TriangleMesh& mesh, const t
 std::optional<NearFieldLights> nearLights(const formats::Pack& pack, const transport::BoundingSphere& bounds,
                                           transport::Lighting& lighting) {
   if (lighting.near.emitters.empty()) return std::nullopt;
+  const formats::ShTransfer& transfer = pack.sh();
   const transport::Vec3 center =
-      pack.transfer.near_vectors.empty() ? bounds.center : transport::vec3(pack.transfer.sphere_center);
+      transfer.near_field ? transport::vec3(transfer.near_field->center) : bounds.center;
   return std::optional<NearFieldLights>(std::in_place, std::move(lighting.near), bounds, center,
-                                        pack.transfer.order, lighting.cube_resolution);
+                                        transfer.order, lighting.cube_resolution);
 }
 
 Eigen::Matrix3d objectFromLight(const formats::FrameSettings& settings) {
@@ -49,7 +50,7 @@ void setUniform(GLint location, const transport::Vec3& value) {
 
 Renderer::Renderer(const formats::Pack& pack, transport::Lighting lighting)
     : bounds_(transport::boundingSphere(pack.mesh)),
-      order_(pack.transfer.order),
+      order_(pack.sh().order),
       distant_(std::move(lighting.distant)),
       exposure_light_(distant_),
       near_lights_(nearLights(pack, bounds_, lighting)),

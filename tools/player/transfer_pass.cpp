@@ -12,13 +12,16 @@
 namespace bakelight::player {
 namespace {
 
-using formats::MatrixStorage;
-
 // Coefficients that one work item of visibility.comp computes.
 constexpr std::size_t kVisibilityBlock = 5;
 
-std::size_t matrixSize(const formats::RadianceTransfer& transfer) {
-  return static_cast<std::size_t>(transport::coefficientCount(transfer.row_order)) *
+const formats::GlossyTransfer& glossyOf(const formats::ShTransfer& transfer) {
+  if (!transfer.glossy) throw std::invalid_argument("a diffuse pack has no transfer matrices");
+  return *transfer.glossy;
+}
+
+std::size_t matrixSize(const formats::ShTransfer& transfer) {
+  return static_cast<std::size_t>(transport::coefficientCount(transfer.glossy->output_order)) *
          transport::coefficientCount(transfer.order);
 }
 
@@ -30,9 +33,9 @@ std::string define(const std::string& name, std::size_t value) {
   return "#define " + name + " " + std::to_string(value) + "u\n";
 }
 
-std::string matrixDefinitions(const formats::RadianceTransfer& transfer, const GpuTable& table) {
+std::string matrixDefinitions(const formats::ShTransfer& transfer, const GpuTable& table) {
   return table.definitions() + "#define CHANNELS " + std::to_string(transfer.channels) + "\n" +
-         define("ROW_COEFFICIENTS", transport::coefficientCount(transfer.row_order)) +
+         define("ROW_COEFFICIENTS", transport::coefficientCount(transfer.glossy->output_order)) +
          define("COEFFICIENTS", transport::coefficientCount(transfer.order));
 }
 
@@ -43,33 +46,27 @@ struct GatherEntry {
 
 }  // namespace
 
-TransferPass::TransferPass(const formats::RadianceTransfer& transfer, std::size_t largest_block_bytes)
-    : storage_(transfer.storage),
-      row_coefficients_(transport::coefficientCount(transfer.row_order)),
-      table_(transfer.matrices) {
+TransferPass::TransferPass(const formats::ShTransfer& transfer, std::size_t largest_block_bytes)
+    : row_coefficients_(transport::coefficientCount(glossyOf(transfer).output_order)),
+      table_(glossyOf(transfer).vertexTable()) {
   const std::size_t result_bytes = row_coefficients_ * sizeof(formats::Float3);
   ranges_ = rowRanges(table_.rows(), std::max(table_.rowBytes(), result_bytes), row_coefficients_,
                       largest_block_bytes);
   transferred_ = makeBuffer(table_.rows() * result_bytes, nullptr);
-  switch (storage_) {
-    case MatrixStorage::kMatrix:
-      require(table_.columns() == transfer.channels * matrixSize(transfer));
-      program_ = makeComputeProgram({kTableGlsl, kMatrixComp}, matrixDefinitions(transfer, table_));
-      break;
-    case MatrixStorage::kVisibility:
-      prepareVisibility(transfer);
-      break;
-    case MatrixStorage::kCpca:
-      prepareClusters(transfer, largest_block_bytes);
-      break;
-    case MatrixStorage::kNone:
-      throw std::invalid_argument("a diffuse pack has no transfer matrices");
+  if (transfer.glossy->isInObjectFrame()) {
+    prepareVisibility(transfer);
+  } else if (const auto* clustered = std::get_if<formats::ClusteredOperator>(&transfer.glossy->transfer)) {
+    prepareClusters(transfer, *clustered, largest_block_bytes);
+  } else {
+    require(table_.columns() == transfer.channels * matrixSize(transfer));
+    program_ = makeComputeProgram({kTableGlsl, kMatrixComp}, matrixDefinitions(transfer, table_));
   }
   throwIfGlFailed("uploading the transfer matrices");
 }
 
-void TransferPass::prepareVisibility(const formats::RadianceTransfer& transfer) {
-  const transport::TripleProduct product(transfer.row_order, transfer.order);
+void TransferPass::prepareVisibility(const formats::ShTransfer& transfer) {
+  kind_ = Kind::kVisibility;
+  const transport::TripleProduct product(transfer.glossy->output_order, transfer.order);
   const std::size_t columns = transport::coefficientCount(product.visibilityOrder());
   require(transfer.channels == 1 && table_.columns() == columns);
   program_ = makeComputeProgram({kTableGlsl, kVisibilityComp},
@@ -92,17 +89,19 @@ void TransferPass::prepareVisibility(const formats::RadianceTransfer& transfer) 
   operator_program_ = makeComputeProgram({kOperatorComp});
 }
 
-void TransferPass::prepareClusters(const formats::RadianceTransfer& transfer,
+void TransferPass::prepareClusters(const formats::ShTransfer& transfer,
+                                   const formats::ClusteredOperator& clustered,
                                    std::size_t largest_block_bytes) {
-  basis_ = GpuTable(transfer.basis);
+  kind_ = Kind::kClusters;
+  basis_ = GpuTable(clustered.basis);
   const std::size_t cluster_size = 1 + table_.columns();
   require(basis_.columns() == transfer.channels * matrixSize(transfer) && basis_.rows() % cluster_size == 0 &&
-          transfer.clusters.size() == table_.rows());
-  for (const std::uint32_t cluster : transfer.clusters) require(cluster < basis_.rows() / cluster_size);
+          clustered.clusters.size() == table_.rows());
+  for (const std::uint32_t cluster : clustered.clusters) require(cluster < basis_.rows() / cluster_size);
   basis_ranges_ =
       rowRanges(basis_.rows(), std::max(basis_.rowBytes(), row_coefficients_ * sizeof(formats::Float3)),
                 row_coefficients_, largest_block_bytes);
-  clusters_ = makeBuffer(transfer.clusters.size() * sizeof(std::uint32_t), transfer.clusters.data());
+  clusters_ = makeBuffer(clustered.clusters.size() * sizeof(std::uint32_t), clustered.clusters.data());
   projected_ = makeBuffer(basis_.rows() * row_coefficients_ * sizeof(formats::Float3), nullptr);
   basis_program_ = makeComputeProgram({kTableGlsl, kMatrixComp}, matrixDefinitions(transfer, basis_));
   program_ = makeComputeProgram({kTableGlsl, kClusterComp},
@@ -111,10 +110,10 @@ void TransferPass::prepareClusters(const formats::RadianceTransfer& transfer,
 
 void TransferPass::evaluate(const Buffer& light) {
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, light.name());
-  if (storage_ == MatrixStorage::kVisibility) {
+  if (kind_ == Kind::kVisibility) {
     evaluateOperator();
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, operator_.name());
-  } else if (storage_ == MatrixStorage::kCpca) {
+  } else if (kind_ == Kind::kClusters) {
     runRows(basis_program_, basis_, basis_ranges_, projected_);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, projected_.name());
@@ -135,7 +134,7 @@ void TransferPass::evaluateOperator() const {
 }
 
 std::size_t TransferPass::itemsOfRow() const {
-  if (storage_ != MatrixStorage::kVisibility) return row_coefficients_;
+  if (kind_ != Kind::kVisibility) return row_coefficients_;
   return (row_coefficients_ + kVisibilityBlock - 1) / kVisibilityBlock;
 }
 
@@ -145,8 +144,7 @@ void TransferPass::runRows(const Program& program, const GpuTable& table, const 
   for (const RowRange& range : ranges) {
     table.bind(range);
     bindRows(2, result, range, row_coefficients_ * sizeof(formats::Float3));
-    if (&table == &table_ && storage_ == MatrixStorage::kCpca)
-      bindRows(4, clusters_, range, sizeof(std::uint32_t));
+    if (&table == &table_ && kind_ == Kind::kClusters) bindRows(4, clusters_, range, sizeof(std::uint32_t));
     glUniform1ui(0, static_cast<GLuint>(range.count));
     dispatchItems(range.count * itemsOfRow());
   }

@@ -79,13 +79,15 @@ double Lobe::sampleOneMinusCosine(double number) const {
   return u;
 }
 
-Material::Material(const formats::GlossyMaterial& glossy) : lobe_(Lobe::ggx(0)) {
-  using formats::LobeModel;
-  has_lobe_ = glossy.model == LobeModel::kPhong || glossy.model == LobeModel::kGgx;
-  if (glossy.model == LobeModel::kPhong) lobe_ = Lobe::phong(glossy.exponent);
-  if (glossy.model == LobeModel::kGgx) lobe_ = Lobe::ggx(glossy.roughness);
-  if (glossy.model == LobeModel::kTable) table_ = glossy.table;
-  if (has_lobe_) specular_color_ = transport::vec3(glossy.specular_color);
+Material::Material(const formats::PackPart& reflection) : lobe_(Lobe::ggx(0)) {
+  const auto* phong = reflection.as<formats::PhongLobe>();
+  const auto* ggx = reflection.as<formats::GgxLobe>();
+  has_lobe_ = phong != nullptr || ggx != nullptr;
+  if (phong != nullptr) lobe_ = Lobe::phong(phong->exponent);
+  if (ggx != nullptr) lobe_ = Lobe::ggx(ggx->roughness);
+  if (has_lobe_)
+    specular_color_ = transport::vec3(phong != nullptr ? phong->specular_color : ggx->specular_color);
+  if (const auto* table = reflection.as<formats::BrdfTable>()) table_ = *table;
 }
 
 Bsdf::Bsdf(const Material& material, const Rgb& albedo, const Vec3& normal, const Vec3& outgoing, bool glossy)

@@ -40,7 +40,7 @@ class Lobe {
 // All that does not change over a surface.
 class Material {
  public:
-  explicit Material(const formats::GlossyMaterial& glossy);
+  explicit Material(const formats::PackPart& reflection);
 
   const formats::BrdfTable* table() const { return table_.order > 0 ? &table_ : nullptr; }
   const Lobe* lobe() const { return has_lobe_ ? &lobe_ : nullptr; }

@@ -36,7 +36,7 @@ transport::Backdrop backdropOf(const formats::Pack& pack, const formats::LightRi
     case formats::Background::kEnvironment:
       break;
   }
-  transport::Lighting lighting = transport::lightingFor(rig, std::max(pack.transfer.order, 1), "lights");
+  transport::Lighting lighting = transport::lightingFor(rig, std::max(pack.sh().order, 1), "lights");
   return [image = std::move(lighting.backdrop),
           light_from_world = Eigen::Matrix3d(transport::worldFromLight(frame).transpose())](
              const Vec3& direction) -> formats::Float4 {

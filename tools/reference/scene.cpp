@@ -60,9 +60,9 @@ Scene::Scene(const formats::Pack& pack, const formats::LightRig& rig, const form
              const transport::BoundingSphere& bounds, const transport::EmitterMesh& emitters)
     : mesh_(meshInWorld(pack, frame, bounds)),
       vertex_origins_(frontOrigins(mesh_)),
-      base_color_(vec3(pack.base_color)),
+      base_color_(vec3(pack.appearances.front().base_color)),
       colors_(pack.colors),
-      material_(pack.transfer.material),
+      material_(pack.appearances.front().reflection),
       distant_(rig, transport::worldFromLight(frame)),
       emitters_(emitters),
       ray_mesh_(joined(mesh_, emitters.mesh)),

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "formats/error.h"
+#include "formats/field_list.h"
 #include "tools/report/text.h"
 #include "transport/color.h"
 #include "transport/sh.h"
@@ -69,12 +70,13 @@ std::string appearanceOf(const formats::Pack& pack) {
   const auto textOf = [](const formats::Float3& color) {
     return numberText(color[0]) + ' ' + numberText(color[1]) + ' ' + numberText(color[2]);
   };
-  const formats::GlossyMaterial& material = pack.transfer.material;
-  std::string text = "the base colour " + textOf(pack.base_color) + " and the lobe " + nameOf(material.model);
-  if (material.model == formats::LobeModel::kPhong || material.model == formats::LobeModel::kGgx)
-    text += " of the specular colour " + textOf(material.specular_color) + " and the " +
-            (material.model == formats::LobeModel::kGgx ? "roughness " + numberText(material.roughness)
-                                                        : "exponent " + numberText(material.exponent));
+  std::string text;
+  for (const formats::Appearance& appearance : pack.appearances) {
+    text += (text.empty() ? "the base colour " : ", the base colour ") + textOf(appearance.base_color) +
+            " and the reflection " + appearance.reflection.kind();
+    for (const formats::FieldValue& field : formats::fieldsOf(appearance.reflection))
+      if (field.isPlain()) text += ' ' + field.name + ' ' + field.plain.dump();
+  }
   return text;
 }
 
@@ -111,8 +113,9 @@ Evaluator::Evaluator(const Plan& plan, const Sources& sources)
   renderer_ = std::make_unique<Renderer>(plan, std::move(cameras), sources);
   // Exposure depends on the lights alone, but an emitter's size may be in units of the object.
   const formats::Pack pack = sources.pack(plan.variants.front().pack.path);
+  const transport::LightNeeds needs = transport::makePackShading(pack)->needs();
   for (std::size_t view = 0; view < plan.views.size(); ++view) {
-    exposures_.push_back(renderer_->exposure(pack, view));
+    exposures_.push_back(renderer_->exposure(pack.mesh, needs, view));
     flips_.emplace_back(displayed(truth_[view].picture, exposures_[view]));
   }
 }
@@ -217,7 +220,7 @@ double Evaluator::flip(const Picture& picture, std::size_t view, std::size_t& pi
 void Evaluator::measureTimes(int rounds, Evaluation& evaluation, const std::function<void()>& advanced) {
   std::vector<VariantFigures>& variants = evaluation.variants;
   struct Candidate {
-    transport::PackEvaluator evaluator;
+    std::unique_ptr<transport::PackShading> shading;
     Renderer::Conditions conditions;
     int order;
   };
@@ -232,18 +235,20 @@ void Evaluator::measureTimes(int rounds, Evaluation& evaluation, const std::func
       evaluation.warnings.push_back("the variant " + plan_.variants[v].name + " has " + appearanceOf(pack) +
                                     ", where " + plan_.variants[0].name + " has " + first_scene +
                                     ": they cannot both show the scene of the references");
+    auto shading = transport::makePackShading(pack);
+    const transport::LightNeeds needs = shading->needs();
     candidates.push_back(std::make_unique<Candidate>(
-        Candidate{transport::PackEvaluator(pack), renderer_->conditions(pack, 0), pack.transfer.order}));
+        Candidate{std::move(shading), renderer_->conditions(pack.mesh, needs, 0), needs.sh_order}));
     measurements.push_back([candidate = candidates.back().get()](int round) {
       const Eigen::Matrix3d turn =
           Eigen::AngleAxisd(round * std::numbers::pi / 180, Vec3::UnitY()).toRotationMatrix();
       const Renderer::Conditions& conditions = candidate->conditions;
       const double light_change_ms = millisecondsOf([&] {
         const transport::ShRotation rotation(candidate->order, conditions.object_from_light * turn);
-        candidate->evaluator.setLight(rotation.apply(conditions.distant), conditions.near);
+        candidate->shading->setLight(rotation.apply(conditions.distant), conditions.near);
       });
       const double view_change_ms =
-          millisecondsOf([&] { candidate->evaluator.radianceTowards(turn * conditions.eye); });
+          millisecondsOf([&] { candidate->shading->setView(turn * conditions.eye); });
       return std::vector<double>{light_change_ms, view_change_ms};
     });
     advanced();

@@ -13,7 +13,7 @@
 
 namespace bakelight::report {
 
-using transport::Float3, transport::Vec3;
+using transport::Float3, transport::SurfaceHit, transport::Vec3;
 
 transport::OrbitCamera cameraFrom(const Vec3& eye, const Vec3& target, double field_of_view_deg) {
   constexpr double kDegrees = 180 / std::numbers::pi;
@@ -44,10 +44,11 @@ GBuffer traceGBuffer(const formats::TriangleMesh& object, const transport::Emitt
   const transport::RayScene scene(world);
   const Vec3 eye = camera.eye();
   const int s = grid.supersampling;
-  GBuffer gbuffer{grid, std::move(world.triangles), object.triangleCount(), {}};
-  gbuffer.points.resize(static_cast<std::size_t>(grid.width_px) * grid.height_px * s * s);
+  GBuffer gbuffer{grid, object.triangleCount(), {}};
+  gbuffer.hits.resize(static_cast<std::size_t>(grid.width_px) * grid.height_px * s * s,
+                      {GBuffer::kNothing, 0, 0});
   tbb::parallel_for(0, grid.height_px, [&](int y) {
-    SurfacePoint* point = &gbuffer.points[static_cast<std::size_t>(y) * grid.width_px * s * s];
+    transport::SurfaceHit* point = &gbuffer.hits[static_cast<std::size_t>(y) * grid.width_px * s * s];
     for (int x = 0; x < grid.width_px; ++x)
       for (int row = y * s; row < (y + 1) * s; ++row)
         for (int column = x * s; column < (x + 1) * s; ++column, ++point) {
@@ -59,33 +60,47 @@ GBuffer traceGBuffer(const formats::TriangleMesh& object, const transport::Emitt
   return gbuffer;
 }
 
-Picture pictureOf(const GBuffer& gbuffer, std::span<const Float3> object_radiance,
-                  std::span<const Float3> emitter_radiance) {
+Picture pictureOf(const GBuffer& gbuffer, const transport::RadianceAtHits& object,
+                  const transport::RadianceAtHits& emitters) {
   const auto& grid = gbuffer.grid;
   const std::size_t subsamples = static_cast<std::size_t>(grid.supersampling) * grid.supersampling;
-  const auto radianceOf = [&](std::uint32_t vertex) -> const Float3& {
-    return vertex < object_radiance.size() ? object_radiance[vertex]
-                                           : emitter_radiance[vertex - object_radiance.size()];
-  };
+  const std::size_t row_samples = static_cast<std::size_t>(grid.width_px) * subsamples;
   Picture picture{formats::Image(grid.width_px, grid.height_px, {"R", "G", "B", "A"}), {}};
   picture.covered.resize(static_cast<std::size_t>(grid.width_px) * grid.height_px);
-  tbb::parallel_for(std::size_t{0}, picture.covered.size(), [&](std::size_t pixel) {
-    std::array<double, 4> sum{};
-    std::size_t on_object = 0;
-    for (std::size_t i = 0; i < subsamples; ++i) {
-      const SurfacePoint& point = gbuffer.points[pixel * subsamples + i];
-      if (point.triangle == SurfacePoint::kNothing) continue;
-      if (point.triangle < gbuffer.object_triangles) ++on_object;
-      const auto& [a, b, c] = gbuffer.triangles[point.triangle];
-      for (std::size_t channel = 0; channel < 3; ++channel)
-        sum[channel] += (1 - point.u - point.v) * radianceOf(a)[channel] + point.u * radianceOf(b)[channel] +
-                        point.v * radianceOf(c)[channel];
-      sum[3] += 1;
+  tbb::parallel_for(0, grid.height_px, [&](int y) {
+    const std::span<const SurfaceHit> hits(&gbuffer.hits[static_cast<std::size_t>(y) * row_samples],
+                                           row_samples);
+    std::vector<SurfaceHit> on_object, on_emitters;
+    for (SurfaceHit hit : hits) {
+      if (hit.triangle == GBuffer::kNothing) continue;
+      if (hit.triangle < gbuffer.object_triangles) {
+        on_object.push_back(hit);
+      } else {
+        hit.triangle -= static_cast<std::uint32_t>(gbuffer.object_triangles);
+        on_emitters.push_back(hit);
+      }
     }
-    for (std::size_t channel = 0; channel < 4; ++channel)
-      picture.linear.values[4 * pixel + channel] =
-          static_cast<float>(sum[channel] / static_cast<double>(subsamples));
-    picture.covered[pixel] = on_object == subsamples;
+    std::vector<Float3> of_object(on_object.size()), of_emitters(on_emitters.size());
+    object(on_object, of_object);
+    emitters(on_emitters, of_emitters);
+    auto next_object = of_object.begin(), next_emitter = of_emitters.begin();
+    for (int x = 0; x < grid.width_px; ++x) {
+      const std::size_t pixel = static_cast<std::size_t>(y) * grid.width_px + x;
+      std::array<double, 4> sum{};
+      std::size_t seen_object = 0;
+      for (const SurfaceHit& hit : hits.subspan(static_cast<std::size_t>(x) * subsamples, subsamples)) {
+        if (hit.triangle == GBuffer::kNothing) continue;
+        const bool is_object = hit.triangle < gbuffer.object_triangles;
+        seen_object += is_object ? 1 : 0;
+        const Float3& radiance = is_object ? *next_object++ : *next_emitter++;
+        for (std::size_t channel = 0; channel < 3; ++channel) sum[channel] += radiance[channel];
+        sum[3] += 1;
+      }
+      for (std::size_t channel = 0; channel < 4; ++channel)
+        picture.linear.values[4 * pixel + channel] =
+            static_cast<float>(sum[channel] / static_cast<double>(subsamples));
+      picture.covered[pixel] = seen_object == subsamples;
+    }
   });
   return picture;
 }

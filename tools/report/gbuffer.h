@@ -12,6 +12,7 @@
 #include "transport/camera.h"
 #include "transport/cpu_renderer.h"
 #include "transport/light_rig.h"
+#include "transport/pack_shading.h"
 
 namespace bakelight::report {
 
@@ -19,17 +20,13 @@ namespace bakelight::report {
 transport::OrbitCamera cameraFrom(const transport::Vec3& eye, const transport::Vec3& target,
                                   double field_of_view_deg);
 
-struct SurfacePoint {
-  static constexpr std::uint32_t kNothing = std::numeric_limits<std::uint32_t>::max();
-  std::uint32_t triangle = kNothing;  // of the object, then of the emitters
-  float u = 0, v = 0;                 // weights of the second and third vertex
-};
-
 struct GBuffer {
+  static constexpr std::uint32_t kNothing = std::numeric_limits<std::uint32_t>::max();
+
   transport::PictureGrid grid;
-  std::vector<formats::Triangle> triangles;  // vertices of the object, then of the emitters
   std::size_t object_triangles = 0;
-  std::vector<SurfacePoint> points;  // pixel after pixel, supersampling² each
+  // Pixel after pixel, supersampling² each; triangles of the object, then of the emitters, or kNothing.
+  std::vector<transport::SurfaceHit> hits;
 };
 
 // `emitters` stand in world space, as the camera does; the object is turned about the camera's target. Cost:
@@ -44,8 +41,8 @@ struct Picture {
   std::vector<std::uint8_t> covered;
 };
 
-// Interpolates one radiance a vertex of the object, and of the emitters.
-Picture pictureOf(const GBuffer& gbuffer, std::span<const transport::Float3> object_radiance,
-                  std::span<const transport::Float3> emitter_radiance);
+// Radiance of hits on the object, and of those on the emitters.
+Picture pictureOf(const GBuffer& gbuffer, const transport::RadianceAtHits& object,
+                  const transport::RadianceAtHits& emitters);
 
 }  // namespace bakelight::report

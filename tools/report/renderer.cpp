@@ -12,35 +12,39 @@ using transport::Vec3;
 Renderer::Renderer(const Plan& plan, std::vector<transport::OrbitCamera> cameras, const Sources& sources)
     : plan_(plan), cameras_(std::move(cameras)), sources_(sources) {}
 
-Renderer::Conditions Renderer::conditions(const formats::Pack& pack, std::size_t view) {
+Renderer::Conditions Renderer::conditions(const formats::TriangleMesh& mesh,
+                                          const transport::LightNeeds& needs, std::size_t view) {
   const formats::FrameSettings& frame = plan_.views[view].frame;
-  const transport::Lighting& light = lighting(view, pack.transfer.order);
+  const transport::Lighting& light = lighting(view, needs.sh_order);
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(frame);
   const transport::OrbitCamera& camera = cameras_[view];
   return {light.distant, world_from_object.transpose() * transport::worldFromLight(frame),
-          transport::nearLight(pack, light, frame.time_s, world_from_object),
+          transport::nearLight(mesh, needs, light, frame.time_s, world_from_object),
           world_from_object.transpose() * (camera.eye() - camera.target) + camera.target};
 }
 
 std::vector<Picture> Renderer::picturesOf(const formats::Pack& pack) {
-  transport::PackEvaluator evaluator(pack);
+  const std::unique_ptr<transport::PackShading> shading = transport::makePackShading(pack);
+  const transport::LightNeeds needs = shading->needs();
   const transport::BoundingSphere bounds = transport::boundingSphere(pack.mesh);
   std::vector<Picture> pictures;
   for (std::size_t view = 0; view < plan_.views.size(); ++view) {
-    const Conditions conditions = this->conditions(pack, view);
-    const transport::ShRotation rotation(pack.transfer.order, conditions.object_from_light);
-    evaluator.setLight(rotation.apply(conditions.distant), conditions.near);
-    const transport::EmitterMesh emitters = transport::emitterMesh(lighting(view, pack.transfer.order).near,
-                                                                   bounds, plan_.views[view].frame.time_s);
-    pictures.push_back(pictureOf(gbuffer(pack, view, emitters), evaluator.radianceTowards(conditions.eye),
-                                 emitters.radiance));
+    const Conditions conditions = this->conditions(pack.mesh, needs, view);
+    const transport::ShRotation rotation(needs.sh_order, conditions.object_from_light);
+    shading->setLight(rotation.apply(conditions.distant), conditions.near);
+    shading->setView(conditions.eye);
+    const transport::EmitterMesh emitters =
+        transport::emitterMesh(lighting(view, needs.sh_order).near, bounds, plan_.views[view].frame.time_s);
+    pictures.push_back(pictureOf(gbuffer(pack, view, emitters), transport::radianceOf(*shading),
+                                 transport::interpolated(emitters.mesh.triangles, emitters.radiance)));
   }
   return pictures;
 }
 
-double Renderer::exposure(const formats::Pack& pack, std::size_t view) {
-  const transport::Lighting& light = lighting(view, pack.transfer.order);
-  const transport::ShLight near = transport::nearLight(pack, light, 0, Eigen::Matrix3d::Identity());
+double Renderer::exposure(const formats::TriangleMesh& mesh, const transport::LightNeeds& needs,
+                          std::size_t view) {
+  const transport::Lighting& light = lighting(view, needs.sh_order);
+  const transport::ShLight near = transport::nearLight(mesh, needs, light, 0, Eigen::Matrix3d::Identity());
   return transport::exposureFactor(plan_.views[view].frame,
                                    near.empty() ? light.distant : transport::sum(light.distant, near));
 }

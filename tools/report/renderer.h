@@ -12,7 +12,7 @@
 #include "tools/report/plan.h"
 #include "tools/report/sources.h"
 #include "transport/lighting.h"
-#include "transport/pack_evaluator.h"
+#include "transport/pack_shading.h"
 
 namespace bakelight::report {
 
@@ -21,20 +21,21 @@ class Renderer {
   // `cameras` has one entry a view. Plan and sources must outlive the renderer.
   Renderer(const Plan& plan, std::vector<transport::OrbitCamera> cameras, const Sources& sources);
 
-  // What a PackEvaluator needs for a view.
+  // What a PackShading is given in a view.
   struct Conditions {
-    transport::ShLight distant;         // as the light stands, of the pack's order
+    transport::ShLight distant;         // as the light stands, of the order needed
     Eigen::Matrix3d object_from_light;  // turns it into the object's frame
     transport::ShLight near;            // in the object's frame; empty without emitters
     transport::Vec3 eye;                // in the object's space
   };
-  Conditions conditions(const formats::Pack& pack, std::size_t view);
+  Conditions conditions(const formats::TriangleMesh& mesh, const transport::LightNeeds& needs,
+                        std::size_t view);
 
   // One picture a view. Meshes and lights that were seen before are not traced or projected again.
   std::vector<Picture> picturesOf(const formats::Pack& pack);
 
   // The player's factor on radiance in that view (transport::exposureFactor).
-  double exposure(const formats::Pack& pack, std::size_t view);
+  double exposure(const formats::TriangleMesh& mesh, const transport::LightNeeds& needs, std::size_t view);
 
  private:
   const transport::Lighting& lighting(std::size_t view, int order);

@@ -51,7 +51,7 @@ TEST(Pack, SectionsCoverTheTablesAndAreAligned) {
     EXPECT_EQ(section.offset_bytes % 16, 0U) << section.name;
     EXPECT_LE(section.offset_bytes + section.size_bytes, bytes.size());
   }
-  EXPECT_THAT(names, testing::ElementsAre("indices", "positions", "normals", "texcoords", "transfer"));
+  EXPECT_THAT(names, testing::ElementsAre("indices", "positions", "normals", "texcoords", "vectors"));
 }
 
 // Bit 0 of the file, then every `stride`-th.
@@ -72,8 +72,7 @@ TEST(Pack, EveryFlippedBitIsAnError) {
   expectFlippedBitsAreErrors(encodePack(diffusePack(mesh, 1), {.draco = true}, "a.glb"), 1);
   // One bit of (almost) every byte, as these are larger.
   expectFlippedBitsAreErrors(
-      encodePack(glossyPack(mesh, MatrixStorage::kCpca, Precision::kUint8, LobeModel::kTable), {}, "a.glb"),
-      9);
+      encodePack(glossyPack(mesh, Storage::kCpca, Precision::kUint8, Lobe::kTable), {}, "a.glb"), 9);
   expectFlippedBitsAreErrors(
       readFile(std::filesystem::path(BAKELIGHT_SOURCE_DIR) / "tests/unit/formats/golden/pack-v1.glb"), 9);
 }
@@ -94,13 +93,13 @@ TEST(Pack, DamageIsNamed) {
   Bytes bytes = encodePack(diffusePack(wavyGrid(3), 2), {}, "a.glb");
   const auto sections = packSections(bytes, "a.glb");
   bytes[sections.back().offset_bytes + 3] ^= std::byte{1};
-  EXPECT_THAT(errorOf(bytes), testing::AllOf(HasSubstr("section transfer"), HasSubstr("checksum")));
+  EXPECT_THAT(errorOf(bytes), testing::AllOf(HasSubstr("section vectors"), HasSubstr("checksum")));
 }
 
 TEST(Pack, NewerVersionIsRefusedWithAdvice) {
   const Bytes bytes = encodePack(diffusePack(wavyGrid(2), 1), {}, "a.glb");
   std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const std::size_t position = text.find("\"version\":2");
+  const std::size_t position = text.find("\"version\":3");
   ASSERT_NE(position, std::string::npos);
   text[position + 10] = '9';
   EXPECT_THAT(errorOf(std::as_bytes(std::span(text))),
@@ -153,11 +152,11 @@ TEST(PackWithDraco, CoincidentVerticesKeepTheirOwnRows) {
   Pack pack = diffusePack(mesh, 1);
   std::vector<float> numbers(mesh.vertexCount());
   std::iota(numbers.begin(), numbers.end(), 0.0F);
-  pack.transfer.vectors = encodeTable(numbers, 1, Precision::kFloat32, "test", "table");
+  pack.sh().vectors = encodeTable(numbers, 1, Precision::kFloat32, "test", "table");
 
   const Pack read = roundTrip(pack, {.draco = true});
   ASSERT_EQ(read.mesh.vertexCount(), mesh.vertexCount());
-  std::vector<float> rows = read.transfer.vectors.decode();
+  std::vector<float> rows = read.sh().vectors.decode();
   for (std::size_t i = 0; i < rows.size(); ++i) {
     EXPECT_EQ(read.mesh.positions[i], mesh.positions[static_cast<std::size_t>(rows[i])]);
   }
@@ -195,7 +194,7 @@ TEST(PackWithDraco, QuantisationErrsByHalfAStepAtMost) {
   const Pack read = roundTrip(pack, {.draco = true, .position_bits = 12, .normal_bits = 10});
   EXPECT_EQ(read.mesh.positions, draco.decoded.positions);
   for (std::size_t i = 0; i < read.mesh.vertexCount(); ++i) {
-    EXPECT_EQ(rowOf(read.transfer.vectors, i), rowOf(pack.transfer.vectors, draco.source_from_decoded[i]));
+    EXPECT_EQ(rowOf(read.sh().vectors, i), rowOf(pack.sh().vectors, draco.source_from_decoded[i]));
   }
 }
 

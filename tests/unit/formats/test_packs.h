@@ -11,7 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "formats/field_list.h"
 #include "formats/pack.h"
+#include "tests/support/pack_parts.h"
 #include "tests/unit/formats/test_meshes.h"
 
 namespace bakelight::formats {
@@ -32,10 +34,10 @@ inline EncodedTable tableOver(const TriangleMesh& mesh, std::size_t columns, Pre
 
 // Transfer at `order` in plain floats, as a pack of version 1 has it.
 inline Pack diffusePack(TriangleMesh mesh, int order) {
-  Pack pack{"grid", std::move(mesh), {0.25F, 0.5F, 0.75F}, {}, {}};
-  pack.transfer.order = order;
-  pack.transfer.vectors =
-      tableOver(pack.mesh, static_cast<std::size_t>(order * order), Precision::kFloat32, 0);
+  Pack pack{.name = "grid", .mesh = std::move(mesh)};
+  pack.appearances.front().base_color = {0.25F, 0.5F, 0.75F};
+  pack.sh().order = order;
+  pack.sh().vectors = tableOver(pack.mesh, static_cast<std::size_t>(order * order), Precision::kFloat32, 0);
   return pack;
 }
 
@@ -51,49 +53,48 @@ inline std::vector<Float4> tangentsOf(const TriangleMesh& mesh) {
   return tangents;
 }
 
-inline GlossyMaterial lobeOf(LobeModel model, int row_order) {
-  GlossyMaterial material;
-  material.model = model;
-  if (model == LobeModel::kPhong) material.exponent = 12.3F;
-  if (model == LobeModel::kGgx) material.roughness = 0.37F;
-  if (model == LobeModel::kPhong || model == LobeModel::kGgx) material.specular_color = {0.1F, 0.2F, 0.3F};
-  if (model == LobeModel::kTable) {
-    material.table = {4, row_order + 1, {}};
-    const int count = 4 * 3 * (row_order + 1) * (row_order + 1);
-    for (int i = 0; i < count; ++i) material.table.values.push_back(0.01F * static_cast<float>(i - 7));
-  }
-  return material;
+inline PackPart lobeOf(Lobe lobe, int output_order) {
+  constexpr Float3 kSpecular = {0.1F, 0.2F, 0.3F};
+  if (lobe == Lobe::kPhong) return PhongLobe{12.3F, kSpecular};
+  if (lobe == Lobe::kGgx) return GgxLobe{0.37F, kSpecular};
+  if (lobe == Lobe::kNone) return LambertReflection();
+  BrdfTable table{4, output_order + 1, {}};
+  const int count = 4 * 3 * (output_order + 1) * (output_order + 1);
+  for (int i = 0; i < count; ++i) table.values.push_back(0.01F * static_cast<float>(i - 7));
+  return table;
 }
 
 // Order 2, rows of order 3: not square, so that exchanged sizes show. Three channels except for visibility,
 // near field, vertex colours; two clusters of two weights.
-inline Pack glossyPack(TriangleMesh mesh, MatrixStorage storage, Precision precision, LobeModel lobe) {
-  constexpr int kOrder = 2, kRowOrder = 3;
+inline Pack glossyPack(TriangleMesh mesh, Storage storage, Precision precision, Lobe lobe) {
+  constexpr int kOrder = 2, kOutputOrder = 3;
   constexpr std::size_t kCoefficients = 4, kRows = 9;
   Pack pack = diffusePack(std::move(mesh), kOrder);
-  RadianceTransfer& transfer = pack.transfer;
-  transfer.transport = "interreflected";
-  transfer.channels = storage == MatrixStorage::kVisibility ? 1 : 3;
+  ShTransfer& transfer = pack.sh();
+  transfer.transport = Transport::kInterreflected;
+  transfer.channels = storage == Storage::kVisibility ? 1 : 3;
   const auto channels = static_cast<std::size_t>(transfer.channels);
   transfer.vectors = tableOver(pack.mesh, channels * kCoefficients, Precision::kFloat32, 1);
-  transfer.near_vectors = tableOver(pack.mesh, channels * kCoefficients, Precision::kFloat32, 2);
-  transfer.sphere_center = {0.1F, -0.2F, 0.3F};
-  transfer.sphere_radius = 1.7F;
-  transfer.storage = storage;
-  transfer.row_order = kRowOrder;
-  transfer.tangents = tangentsOf(pack.mesh);
+  transfer.near_field = {
+      {0.1F, -0.2F, 0.3F}, 1.7F, tableOver(pack.mesh, channels * kCoefficients, Precision::kFloat32, 2)};
+  GlossyTransfer& glossy = transfer.glossy.emplace();
+  glossy.output_order = kOutputOrder;
+  glossy.tangents = tangentsOf(pack.mesh);
   const std::size_t matrix = channels * kRows * kCoefficients;
-  if (storage == MatrixStorage::kMatrix) transfer.matrices = tableOver(pack.mesh, matrix, precision, 3);
-  if (storage == MatrixStorage::kVisibility) transfer.matrices = tableOver(pack.mesh, 16, precision, 4);
-  if (storage == MatrixStorage::kCpca) {
-    transfer.matrices = tableOver(pack.mesh, 2, precision, 5);
+  if (storage == Storage::kMatrix)
+    glossy.transfer = MatrixOperator{tableOver(pack.mesh, matrix, precision, 3)};
+  if (storage == Storage::kVisibility)
+    glossy.transfer = VisibilityOperator{tableOver(pack.mesh, 16, precision, 4)};
+  if (storage == Storage::kCpca) {
     std::vector<float> basis;
     for (std::size_t i = 0; i < 2 * 3 * matrix; ++i) basis.push_back(0.25F * static_cast<float>(i % 101) - 7);
-    transfer.basis = encodeTable(basis, matrix, precision, "test", "basis");
+    ClusteredOperator clustered{
+        tableOver(pack.mesh, 2, precision, 5), {}, encodeTable(basis, matrix, precision, "test", "basis")};
     for (std::size_t i = 0; i < pack.mesh.vertexCount(); ++i)
-      transfer.clusters.push_back(pack.mesh.positions[i][0] < 0.4F ? 0 : 1);
+      clustered.clusters.push_back(pack.mesh.positions[i][0] < 0.4F ? 0 : 1);
+    glossy.transfer = std::move(clustered);
   }
-  transfer.material = lobeOf(lobe, kRowOrder);
+  pack.appearances.front().reflection = lobeOf(lobe, kOutputOrder);
   for (const Float3& position : pack.mesh.positions) pack.colors.push_back({position[0], -position[2], 0.5F});
   return pack;
 }
@@ -122,14 +123,14 @@ void expectSameRows(const std::vector<Value>& read, const std::vector<Value>& so
   for (std::size_t i = 0; i < read.size(); ++i) ASSERT_EQ(read[i], source[source_of[i]]) << "row " << i;
 }
 
-inline void expectSameMaterial(const GlossyMaterial& read, const GlossyMaterial& source) {
-  EXPECT_EQ(read.model, source.model);
-  EXPECT_EQ(read.exponent, source.exponent);
-  EXPECT_EQ(read.roughness, source.roughness);
-  EXPECT_EQ(read.specular_color, source.specular_color);
-  EXPECT_EQ(read.table.angles, source.table.angles);
-  EXPECT_EQ(read.table.order, source.table.order);
-  EXPECT_EQ(read.table.values, source.table.values);
+inline void expectSameReflection(const PackPart& read, const PackPart& source) {
+  ASSERT_STREQ(read.kind(), source.kind());
+  const std::vector<FieldValue> a = fieldsOf(read), b = fieldsOf(source);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].plain, b[i].plain) << a[i].name;
+    EXPECT_EQ(a[i].values, b[i].values) << a[i].name;
+  }
 }
 
 // Each vertex of `read` carries, bit for bit, what the vertex of `source` at the same position has. Positions
@@ -145,32 +146,44 @@ inline void expectSamePack(const Pack& read, const Pack& source) {
     source_of.push_back(vertex_at.at(position));
   }
   EXPECT_EQ(read.name, source.name);
-  EXPECT_EQ(read.base_color, source.base_color);
+  ASSERT_EQ(read.appearances.size(), source.appearances.size());
+  for (std::size_t i = 0; i < read.appearances.size(); ++i) {
+    EXPECT_EQ(read.appearances[i].material, source.appearances[i].material);
+    EXPECT_EQ(read.appearances[i].base_color, source.appearances[i].base_color);
+    expectSameReflection(read.appearances[i].reflection, source.appearances[i].reflection);
+  }
   expectSameRows(read.mesh.normals, source.mesh.normals, source_of);
   std::vector<Float2> texcoords = source.mesh.texcoords;
   for (Float2& t : texcoords) t[1] = 1 - (1 - t[1]);  // v is stored as 1 − v, which may round
   expectSameRows(read.mesh.texcoords, texcoords, source_of);
   expectSameRows(read.colors, source.colors, source_of);
-  const RadianceTransfer &a = read.transfer, &b = source.transfer;
+  const ShTransfer &a = read.sh(), &b = source.sh();
   EXPECT_EQ(a.order, b.order);
   EXPECT_EQ(a.transport, b.transport);
   EXPECT_EQ(a.channels, b.channels);
   expectSameTable(a.vectors, b.vectors, source_of);
-  expectSameTable(a.near_vectors, b.near_vectors, source_of);
-  EXPECT_EQ(a.sphere_center, b.sphere_center);
-  EXPECT_EQ(a.sphere_radius, b.sphere_radius);
-  EXPECT_EQ(a.storage, b.storage);
-  EXPECT_EQ(a.row_order, b.row_order);
-  expectSameRows(a.tangents, b.tangents, source_of);
-  expectSameTable(a.matrices, b.matrices, source_of);
-  expectSameRows(a.clusters, b.clusters, source_of);
-  EXPECT_EQ(a.basis.data, b.basis.data);
-  EXPECT_EQ(a.basis.rows, b.basis.rows);
-  EXPECT_EQ(a.basis.columns, b.basis.columns);
-  EXPECT_EQ(a.basis.precision, b.basis.precision);
-  EXPECT_EQ(a.basis.scale, b.basis.scale);
-  EXPECT_EQ(a.basis.offset, b.basis.offset);
-  expectSameMaterial(a.material, b.material);
+  ASSERT_EQ(a.near_field.has_value(), b.near_field.has_value());
+  if (a.near_field) {
+    expectSameTable(a.near_field->vectors, b.near_field->vectors, source_of);
+    EXPECT_EQ(a.near_field->center, b.near_field->center);
+    EXPECT_EQ(a.near_field->radius, b.near_field->radius);
+  }
+  ASSERT_EQ(a.glossy.has_value(), b.glossy.has_value());
+  if (!a.glossy) return;
+  EXPECT_STREQ(a.glossy->operatorName(), b.glossy->operatorName());
+  EXPECT_EQ(a.glossy->output_order, b.glossy->output_order);
+  expectSameRows(a.glossy->tangents, b.glossy->tangents, source_of);
+  expectSameTable(a.glossy->vertexTable(), b.glossy->vertexTable(), source_of);
+  if (const auto* clusters = std::get_if<ClusteredOperator>(&a.glossy->transfer)) {
+    const auto& expected = std::get<ClusteredOperator>(b.glossy->transfer);
+    expectSameRows(clusters->clusters, expected.clusters, source_of);
+    EXPECT_EQ(clusters->basis.data, expected.basis.data);
+    EXPECT_EQ(clusters->basis.rows, expected.basis.rows);
+    EXPECT_EQ(clusters->basis.columns, expected.basis.columns);
+    EXPECT_EQ(clusters->basis.precision, expected.basis.precision);
+    EXPECT_EQ(clusters->basis.scale, expected.basis.scale);
+    EXPECT_EQ(clusters->basis.offset, expected.basis.offset);
+  }
 }
 
 inline Pack roundTrip(const Pack& pack, const PackOptions& options) {

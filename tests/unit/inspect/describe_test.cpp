@@ -1,6 +1,7 @@
 #include "tools/inspect/describe.h"
 
 #include "formats/error.h"
+#include "tests/support/pack_parts.h"
 
 namespace bakelight::inspect {
 namespace {
@@ -24,26 +25,23 @@ formats::Pack trianglePack() {
   pack.mesh.positions = {{0, 0, 0}, {3, 0, 0}, {0, 4, 0}};
   pack.mesh.normals.assign(3, {0, 0, 1});
   pack.mesh.triangles = {{0, 1, 2}};
-  pack.transfer.order = 2;
-  pack.transfer.vectors = tableOf({1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0}, 4);
+  pack.sh().order = 2;
+  pack.sh().vectors = tableOf({1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0}, 4);
   return pack;
 }
 
 // Two clusters of one weight, rows of order 1, near field, a lobe.
 formats::Pack glossyPack() {
   formats::Pack pack = trianglePack();
-  formats::RadianceTransfer& transfer = pack.transfer;
-  transfer.near_vectors = tableOf(std::vector<float>(12, 2), 4);
-  transfer.sphere_center = {1, 2, 3};
-  transfer.sphere_radius = 5;
-  transfer.storage = formats::MatrixStorage::kCpca;
-  transfer.row_order = 1;
-  transfer.tangents.assign(3, {1, 0, 0, 1});
-  transfer.matrices = tableOf({0, 1, 2}, 1, formats::Precision::kUint8);
-  transfer.clusters = {0, 1, 1};
-  transfer.basis = tableOf({1, 1, 1, 1, 0, 2, 0, 0, 3, 3, 3, 3, 0, 0, 4, 0}, 4, formats::Precision::kFloat16);
-  transfer.material.model = formats::LobeModel::kGgx;
-  transfer.material.roughness = 0.3f;
+  formats::ShTransfer& transfer = pack.sh();
+  transfer.near_field = {{1, 2, 3}, 5, tableOf(std::vector<float>(12, 2), 4)};
+  makeGlossy(transfer, formats::Storage::kCpca, 1);
+  transfer.glossy->tangents.assign(3, {1, 0, 0, 1});
+  transfer.glossy->vertexTable() = tableOf({0, 1, 2}, 1, formats::Precision::kUint8);
+  clustersOf(transfer).clusters = {0, 1, 1};
+  clustersOf(transfer).basis =
+      tableOf({1, 1, 1, 1, 0, 2, 0, 0, 3, 3, 3, 3, 0, 0, 4, 0}, 4, formats::Precision::kFloat16);
+  reflectionOf(pack) = formats::GgxLobe{0.3f, {1, 1, 1}};
   return pack;
 }
 
@@ -78,18 +76,18 @@ TEST(DescribePack, SectionsBytesAndTransfer) {
   const formats::Pack pack = trianglePack();
   const formats::Bytes bytes = formats::encodePack(pack, {}, "p.glb");
   const Json json = described(describePack(pack, bytes, "p.glb"));
-  EXPECT_EQ(json["pack"]["version"], 2);
-  EXPECT_EQ(json["pack"]["base_color"], Json({0.5, 0.25, 0.125}));
+  EXPECT_EQ(json["pack"]["version"], 3);
+  EXPECT_EQ(json["material 0"]["base_color"], Json({0.5, 0.25, 0.125}));
   EXPECT_DOUBLE_EQ(json["pack"]["bytes_per_vertex"], static_cast<double>(bytes.size()) / 3);
   EXPECT_EQ(json["transfer"]["transport"], "shadowed");
-  EXPECT_EQ(json["transfer"]["storage"], "none");
-  EXPECT_FALSE(json["transfer"].contains("row_order"));
-  EXPECT_FALSE(json.contains("lobe"));
-  EXPECT_EQ(json["transfer"]["coefficients"], 4);
+  EXPECT_EQ(json["transfer"]["kind"], "sh");
+  EXPECT_EQ(json["transfer"]["order"], 2);
+  EXPECT_FALSE(json["transfer"].contains("glossy.operator"));
+  EXPECT_EQ(json["material 0"]["kind"], "lambert");
   EXPECT_NEAR(json["energy_per_sh_band"][0]["share_percent"], 50, 1e-12);
   bool found = false;
   for (const Json& section : json["sections"]) {
-    if (section["section"] != "transfer") continue;
+    if (section["section"] != "vectors") continue;
     found = true;
     EXPECT_EQ(section["size_bytes"], 3 * 4 * 4);
     EXPECT_EQ(section["verified"], true);
@@ -100,22 +98,21 @@ TEST(DescribePack, SectionsBytesAndTransfer) {
 TEST(DescribePack, GlossyTablesNearFieldAndLobe) {
   const formats::Pack pack = glossyPack();
   const Json json = described(describePack(pack, formats::encodePack(pack, {}, "p.glb"), "p.glb"));
-  EXPECT_EQ(json["transfer"]["storage"], "cpca");
-  EXPECT_EQ(json["transfer"]["row_order"], 1);
-  EXPECT_EQ(json["transfer"]["clusters"], 2);
-  EXPECT_EQ(json["transfer"]["weights"], 1);
-  EXPECT_EQ(json["transfer"]["sphere_center"], Json({1, 2, 3}));
-  EXPECT_EQ(json["transfer"]["sphere_radius"], 5);
-  EXPECT_EQ(json["lobe"]["model"], "ggx");
-  EXPECT_EQ(json["lobe"]["roughness"], 0.3);
-  EXPECT_FALSE(json["lobe"].contains("exponent"));
-  ASSERT_EQ(json["tables"].size(), 4U);
-  EXPECT_EQ(json["tables"][2]["table"], "weights");
-  EXPECT_EQ(json["tables"][2]["precision"], "uint8");
-  EXPECT_NEAR(json["tables"][2]["mean"].get<double>(), 1, 0.01);
-  EXPECT_EQ(json["tables"][3]["table"], "basis");
-  EXPECT_EQ(json["tables"][3]["rows"], 4);
-  EXPECT_EQ(json["tables"][3]["maximum"], 4);
+  EXPECT_EQ(json["transfer"]["glossy.operator"], "cpca");
+  EXPECT_EQ(json["transfer"]["glossy.outputOrder"], 1);
+  EXPECT_EQ(json["transfer"]["nearField.center"], Json({1, 2, 3}));
+  EXPECT_EQ(json["transfer"]["nearField.radius"], 5);
+  EXPECT_EQ(json["material 0"]["kind"], "ggx");
+  EXPECT_EQ(json["material 0"]["roughness"], 0.3);
+  EXPECT_FALSE(json["material 0"].contains("exponent"));
+  ASSERT_EQ(json["tables"].size(), 5U);
+  EXPECT_EQ(json["tables"][2]["table"], "glossy.tangents");
+  EXPECT_EQ(json["tables"][3]["table"], "glossy.weights");
+  EXPECT_EQ(json["tables"][3]["precision"], "uint8");
+  EXPECT_NEAR(json["tables"][3]["mean"].get<double>(), 1, 0.01);
+  EXPECT_EQ(json["tables"][4]["table"], "glossy.basis");
+  EXPECT_EQ(json["tables"][4]["rows"], 4);
+  EXPECT_EQ(json["tables"][4]["maximum"], 4);
   EXPECT_EQ(json["near_energy_per_sh_band"][1]["mean_energy"], 12);
 }
 
@@ -124,7 +121,7 @@ TEST(DescribePack, AnOldPackIsWhatItWas) {
   const formats::Bytes bytes = formats::readFile(file);
   const Json json = described(describePack(formats::decodePack(bytes, file), bytes, file));
   EXPECT_EQ(json["pack"]["version"], 1);
-  EXPECT_EQ(json["transfer"]["storage"], "none");
+  EXPECT_EQ(json["transfer"]["kind"], "sh");
 }
 
 TEST(DescribeTensors, EnergyOfColouredTransferIsThatOfAllChannels) {

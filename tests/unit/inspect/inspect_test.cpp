@@ -41,8 +41,8 @@ constexpr const char* kObj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 formats::Pack trianglePack() {
   formats::Pack pack{"one", {}, {1, 1, 1}, {}, {}};
-  pack.transfer.order = 1;
-  pack.transfer.vectors =
+  pack.sh().order = 1;
+  pack.sh().vectors =
       formats::encodeTable(std::vector<float>{1, 1, 1}, 1, formats::Precision::kFloat32, "test", "table");
   pack.mesh.positions = {{0, 0, 0}, {3, 0, 0}, {0, 4, 0}};
   pack.mesh.normals.assign(3, {0, 0, 1});

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "formats/error.h"
+#include "tests/support/pack_parts.h"
 #include "transport/color.h"
 
 namespace bakelight::inspect {
@@ -34,10 +35,11 @@ formats::EncodedTable tableOf(std::size_t rows, float value) {
 
 // Red; each vertex sees the mean of the light.
 formats::Pack squarePack() {
-  formats::Pack pack{"square", square(), {1, 0, 0}, {}, {}};
+  formats::Pack pack{.name = "square", .mesh = square()};
+  pack.appearances[0].base_color = {1, 0, 0};
   pack.mesh.normals.assign(4, {0, 0, 1});
-  pack.transfer.order = 1;
-  pack.transfer.vectors = tableOf(4, 0.2820948f);  // y_00
+  pack.sh().order = 1;
+  pack.sh().vectors = tableOf(4, 0.2820948f);  // y_00
   return pack;
 }
 
@@ -79,18 +81,16 @@ TEST(Preview, APackShowsItsBaseColour) {
 
 TEST(Preview, APackShowsItsLobe) {
   formats::Pack pack = squarePack();
-  formats::RadianceTransfer& transfer = pack.transfer;
-  transfer.storage = formats::MatrixStorage::kMatrix;
-  transfer.row_order = 1;
-  transfer.tangents.assign(4, {1, 0, 0, 1});
-  transfer.matrices = tableOf(4, 1);  // order 1: transferred radiance is the mean of the light
-  transfer.material.model = formats::LobeModel::kPhong;
-  transfer.material.specular_color = {0, 1, 0};
+  formats::ShTransfer& transfer = pack.sh();
+  makeGlossy(transfer, formats::Storage::kMatrix, 1);
+  transfer.glossy->tangents.assign(4, {1, 0, 0, 1});
+  transfer.glossy->vertexTable() = tableOf(4, 1);  // order 1: transferred radiance is the mean of the light
+  reflectionOf(pack) = formats::PhongLobe{0, {0, 1, 0}};
   const PreviewOptions options = {.size_px = 17, .yaw_deg = 0, .pitch_deg = 0};
   const auto glossy = pixel(previewPack(pack, options, "a.glb").image, 8, 8);
   // The lobe returns all of that mean, as a green albedo does.
   formats::Pack yellow = squarePack();
-  yellow.base_color = {1, 1, 0};
+  yellow.appearances[0].base_color = {1, 1, 0};
   const auto diffuse = pixel(previewPack(yellow, options, "a.glb").image, 8, 8);
   EXPECT_GT(diffuse[1], 0.5f);
   for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(glossy[c], diffuse[c], 1e-4f);

@@ -10,6 +10,7 @@
 
 #include "formats/error.h"
 #include "formats/mesh_ply.h"
+#include "tests/support/pack_parts.h"
 #include "tools/pack/report.h"
 
 namespace bakelight::packing {
@@ -17,10 +18,9 @@ namespace {
 
 using formats::ElementType;
 using formats::Float3;
-using formats::LobeModel;
-using formats::MatrixStorage;
 using formats::Pack;
 using formats::Precision;
+using formats::Storage, formats::storageOf, formats::clustersOf, formats::Transport;
 using formats::Tensor;
 using formats::TensorFile;
 using formats::TriangleMesh;
@@ -96,6 +96,10 @@ PackingOptions withLobe(const std::string& lobe, Precision precision = Precision
   return options;
 }
 
+const formats::PackPart& reflectionOf(const Pack& pack) {
+  return pack.appearances.front().reflection;
+}
+
 Pack assemble(const TensorFile& transfer, const PackingOptions& options = {},
               const TensorFile* brdf = nullptr) {
   Pack pack = assemblePack(triangle(), transfer, brdf, options, kNames);
@@ -129,15 +133,15 @@ TEST(Packing, DiffuseTransferGoesInAsItIs) {
     const TensorFile transfer = diffuseTransfer(channels);
     const Pack pack = assemble(transfer, options);
     EXPECT_EQ(pack.name, "name");
-    EXPECT_EQ(pack.base_color, (Float3{0.1F, 0.2F, 0.3F}));
+    EXPECT_EQ(pack.appearances[0].base_color, (Float3{0.1F, 0.2F, 0.3F}));
     EXPECT_TRUE(pack.colors.empty());
     EXPECT_EQ(pack.mesh.positions, triangle().positions);
-    EXPECT_EQ(pack.transfer.order, 2);
-    EXPECT_EQ(pack.transfer.transport, "shadowed");
-    EXPECT_EQ(pack.transfer.channels, static_cast<int>(channels));
-    EXPECT_EQ(pack.transfer.vectors.precision, Precision::kFloat32);
-    EXPECT_EQ(pack.transfer.vectors.decode(), valuesOf(transfer, "transfer"));
-    EXPECT_EQ(pack.transfer.storage, MatrixStorage::kNone);
+    EXPECT_EQ(pack.sh().order, 2);
+    EXPECT_EQ(pack.sh().transport, Transport::kShadowed);
+    EXPECT_EQ(pack.sh().channels, static_cast<int>(channels));
+    EXPECT_EQ(pack.sh().vectors.precision, Precision::kFloat32);
+    EXPECT_EQ(pack.sh().vectors.decode(), valuesOf(transfer, "transfer"));
+    EXPECT_EQ(storageOf(pack.sh()), Storage::kNone);
     EXPECT_TRUE(precisionErrors(pack, transfer).empty());
   }
 }
@@ -149,21 +153,21 @@ TEST(Packing, NearFieldComesWithItsSphere) {
   transfer.tensors["sphere"] =
       Tensor::from<float>(ElementType::kFloat32, {4}, std::vector<float>{1, 2, 3, 4});
   const Pack pack = assemble(transfer);
-  EXPECT_EQ(pack.transfer.near_vectors.decode(), valuesOf(transfer, "near_transfer"));
-  EXPECT_EQ(pack.transfer.sphere_center, (Float3{1, 2, 3}));
-  EXPECT_EQ(pack.transfer.sphere_radius, 4);
+  EXPECT_EQ(pack.sh().near_field->vectors.decode(), valuesOf(transfer, "near_transfer"));
+  EXPECT_EQ(pack.sh().near_field->center, (Float3{1, 2, 3}));
+  EXPECT_EQ(pack.sh().near_field->radius, 4);
 }
 
 TEST(Packing, TheTransfersAlbedoWins) {
   TensorFile transfer = diffuseTransfer();
   transfer.tensors["albedo"] =
       Tensor::from<float>(ElementType::kFloat32, {1, 3}, std::vector<float>{0.5F, 0.25F, 0.125F});
-  EXPECT_EQ(assemble(transfer).base_color, (Float3{0.5F, 0.25F, 0.125F}));
+  EXPECT_EQ(assemble(transfer).appearances[0].base_color, (Float3{0.5F, 0.25F, 0.125F}));
   transfer.tensors["albedo"] =
       Tensor::from<float>(ElementType::kFloat32, {3, 3},
                           std::vector<float>{0.1F, 0.2F, 0.3F, 0.4F, 0.5F, 0.6F, 0.7F, 0.8F, 0.9F});
   const Pack pack = assemble(transfer);
-  EXPECT_EQ(pack.base_color, (Float3{1, 1, 1}));
+  EXPECT_EQ(pack.appearances[0].base_color, (Float3{1, 1, 1}));
   ASSERT_EQ(pack.colors.size(), 3U);
   EXPECT_EQ(pack.colors[1], (Float3{0.4F, 0.5F, 0.6F}));
   transfer.tensors["albedo"] = ramp({2, 3});
@@ -175,13 +179,13 @@ TEST(Packing, TheMeshsColoursWinOverTheParameter) {
   mesh.colors = {{0.1F, 0.2F, 0.3F}, {0.4F, 0.5F, 0.6F}, {0.7F, 0.8F, 0.9F}};
   TensorFile transfer = diffuseTransfer();
   const Pack pack = assemblePack(mesh, transfer, nullptr, {}, kNames);
-  EXPECT_EQ(pack.base_color, (Float3{1, 1, 1}));
+  EXPECT_EQ(pack.appearances[0].base_color, (Float3{1, 1, 1}));
   EXPECT_EQ(pack.colors, mesh.colors);
   EXPECT_TRUE(pack.mesh.colors.empty());
   transfer.tensors["albedo"] =
       Tensor::from<float>(ElementType::kFloat32, {1, 3}, std::vector<float>{0.5F, 0.25F, 0.125F});
   const Pack baked = assemblePack(mesh, transfer, nullptr, {}, kNames);
-  EXPECT_EQ(baked.base_color, (Float3{0.5F, 0.25F, 0.125F}))
+  EXPECT_EQ(baked.appearances[0].base_color, (Float3{0.5F, 0.25F, 0.125F}))
       << "what was baked with one albedo is shown with it";
   EXPECT_TRUE(baked.colors.empty());
 }
@@ -190,46 +194,75 @@ TEST(Packing, EachStorageKeepsItsTables) {
   for (const std::uint64_t channels : {1, 3}) {
     const TensorFile transfer = glossyTransfer("matrix", channels);
     const Pack pack = assemble(transfer, withLobe("phong"));
-    EXPECT_EQ(pack.transfer.storage, MatrixStorage::kMatrix);
-    EXPECT_EQ(pack.transfer.row_order, 3);
-    EXPECT_EQ(pack.transfer.tangents[1], (formats::Float4{0, 1, 0, -1}));
-    EXPECT_EQ(pack.transfer.matrices.columns, channels * kRows * kCoefficients);
-    EXPECT_EQ(pack.transfer.matrices.decode(), valuesOf(transfer, "matrix"));
+    EXPECT_EQ(storageOf(pack.sh()), Storage::kMatrix);
+    EXPECT_EQ(pack.sh().glossy->output_order, 3);
+    EXPECT_EQ(pack.sh().glossy->tangents[1], (formats::Float4{0, 1, 0, -1}));
+    EXPECT_EQ(pack.sh().glossy->vertexTable().columns, channels * kRows * kCoefficients);
+    EXPECT_EQ(pack.sh().glossy->vertexTable().decode(), valuesOf(transfer, "matrix"));
   }
   const TensorFile visibility = glossyTransfer("visibility");
   const Pack seen = assemble(visibility, withLobe("ggx"));
-  EXPECT_EQ(seen.transfer.storage, MatrixStorage::kVisibility);
-  EXPECT_EQ(seen.transfer.matrices.decode(), valuesOf(visibility, "visibility"));
+  EXPECT_EQ(storageOf(seen.sh()), Storage::kVisibility);
+  EXPECT_EQ(seen.sh().glossy->vertexTable().decode(), valuesOf(visibility, "visibility"));
 
   const TensorFile clusters = glossyTransfer("cpca", 3);
   const Pack clustered = assemble(clusters, withLobe("ggx"));
-  EXPECT_EQ(clustered.transfer.storage, MatrixStorage::kCpca);
-  EXPECT_EQ(clustered.transfer.matrices.decode(), valuesOf(clusters, "weights"));
-  EXPECT_THAT(clustered.transfer.clusters, ElementsAre(1, 0, 1));
-  EXPECT_EQ(clustered.transfer.basis.rows, 6U);
-  EXPECT_EQ(clustered.transfer.basis.decode(), valuesOf(clusters, "basis"));
+  EXPECT_EQ(storageOf(clustered.sh()), Storage::kCpca);
+  EXPECT_EQ(clustered.sh().glossy->vertexTable().decode(), valuesOf(clusters, "weights"));
+  EXPECT_THAT(clustersOf(clustered).clusters, ElementsAre(1, 0, 1));
+  EXPECT_EQ(clustersOf(clustered).basis.rows, 6U);
+  EXPECT_EQ(clustersOf(clustered).basis.decode(), valuesOf(clusters, "basis"));
 }
 
-TEST(Packing, LobesCarryTheirOwnParametersOnly) {
+TEST(Packing, LobesCarryTheirOwnParameters) {
   PackingOptions options = withLobe("phong");
   options.exponent = 20;
   options.roughness = 0.5;
   options.specular_color = {0.25F, 0.5F, 0.75F};
-  const auto phong = assemble(glossyTransfer("matrix"), options).transfer.material;
-  EXPECT_EQ(phong.model, LobeModel::kPhong);
-  EXPECT_EQ(phong.exponent, 20);
-  EXPECT_EQ(phong.roughness, 0);
-  EXPECT_EQ(phong.specular_color, (Float3{0.25F, 0.5F, 0.75F}));
+  const Pack phong = assemble(glossyTransfer("matrix"), options);
+  ASSERT_NE(reflectionOf(phong).as<formats::PhongLobe>(), nullptr);
+  EXPECT_EQ(reflectionOf(phong).as<formats::PhongLobe>()->exponent, 20);
+  EXPECT_EQ(reflectionOf(phong).as<formats::PhongLobe>()->specular_color, (Float3{0.25F, 0.5F, 0.75F}));
   options.lobe = "ggx";
-  const auto ggx = assemble(glossyTransfer("matrix"), options).transfer.material;
-  EXPECT_EQ(ggx.model, LobeModel::kGgx);
-  EXPECT_EQ(ggx.roughness, 0.5F);
+  const Pack ggx = assemble(glossyTransfer("matrix"), options);
+  ASSERT_NE(reflectionOf(ggx).as<formats::GgxLobe>(), nullptr);
+  EXPECT_EQ(reflectionOf(ggx).as<formats::GgxLobe>()->roughness, 0.5F);
   const TensorFile brdf = brdfOfOrder(4);
-  const auto table = assemble(glossyTransfer("matrix"), withLobe("table"), &brdf).transfer.material;
-  EXPECT_EQ(table.model, LobeModel::kTable);
-  EXPECT_EQ(table.table.angles, 5);
-  EXPECT_EQ(table.table.order, 4);
-  EXPECT_EQ(table.table.values, valuesOf(brdf, "brdf"));
+  const Pack pack = assemble(glossyTransfer("matrix"), withLobe("table"), &brdf);
+  const auto* table = reflectionOf(pack).as<formats::BrdfTable>();
+  ASSERT_NE(table, nullptr);
+  EXPECT_EQ(table->angles, 5);
+  EXPECT_EQ(table->order, 4);
+  EXPECT_EQ(table->values, valuesOf(brdf, "brdf"));
+}
+
+// A square of two triangles, in two materials that share a side, and a material that nothing has.
+TEST(Packing, EachMaterialThatATriangleHasBecomesAnAppearance) {
+  TriangleMesh square;
+  square.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  square.normals.assign(4, {0, 0, 1});
+  square.triangles = {{0, 1, 2}, {0, 2, 3}};
+  square.material_names = {"top", "unused", "bottom"};
+  square.triangle_materials = {2, 0};
+  TensorFile transfer;
+  transfer.tensors["transfer"] = ramp({4, 1, kCoefficients});
+  transfer.metadata = diffuseTransfer().metadata;
+  transfer.metadata["mesh_hash"] = formats::geometryHash(square);
+  Pack pack = assemblePack(square, transfer, nullptr, {}, kNames);
+  ASSERT_EQ(pack.appearances.size(), 2U);
+  EXPECT_EQ(pack.appearances[0].material, "top");
+  EXPECT_EQ(pack.appearances[1].material, "bottom");
+  orderByMaterial(pack);
+  const Pack read = formats::decodePack(formats::encodePack(pack, {}, "a.glb"), "a.glb");
+  EXPECT_EQ(read.mesh.triangle_materials, (std::vector<std::uint32_t>{0, 1}));
+  ASSERT_EQ(read.mesh.vertexCount(), 6U) << "two vertices become four";
+  const std::vector<float> rows = read.sh().vectors.decode(), source = valuesOf(transfer, "transfer");
+  const std::array<std::uint32_t, 6> source_of = {0, 2, 3, 0, 1, 2};
+  for (std::size_t v = 0; v < 6; ++v) {
+    EXPECT_EQ(read.mesh.positions[v], square.positions[source_of[v]]) << v;
+    for (std::size_t i = 0; i < kCoefficients; ++i)
+      EXPECT_EQ(rows[v * kCoefficients + i], source[source_of[v] * kCoefficients + i]) << v;
+  }
 }
 
 TEST(Packing, PrecisionIsOfTheMatricesAndTheBasisGetsHalvesAtLeast) {
@@ -237,12 +270,16 @@ TEST(Packing, PrecisionIsOfTheMatricesAndTheBasisGetsHalvesAtLeast) {
   for (const auto& [precision, basis] :
        {std::pair{kFloat32, kFloat32}, {kFloat16, kFloat16}, {kUint8, kFloat16}}) {
     const Pack pack = assemble(glossyTransfer("cpca"), withLobe("ggx", precision));
-    EXPECT_EQ(pack.transfer.matrices.precision, precision);
-    EXPECT_EQ(pack.transfer.basis.precision, basis);
-    EXPECT_EQ(pack.transfer.vectors.precision, kFloat32);
-    EXPECT_EQ(assemble(glossyTransfer("matrix"), withLobe("ggx", precision)).transfer.matrices.precision,
-              precision);
-    EXPECT_EQ(assemble(glossyTransfer("visibility"), withLobe("ggx", precision)).transfer.matrices.precision,
+    EXPECT_EQ(pack.sh().glossy->vertexTable().precision, precision);
+    EXPECT_EQ(clustersOf(pack).basis.precision, basis);
+    EXPECT_EQ(pack.sh().vectors.precision, kFloat32);
+    EXPECT_EQ(
+        assemble(glossyTransfer("matrix"), withLobe("ggx", precision)).sh().glossy->vertexTable().precision,
+        precision);
+    EXPECT_EQ(assemble(glossyTransfer("visibility"), withLobe("ggx", precision))
+                  .sh()
+                  .glossy->vertexTable()
+                  .precision,
               precision);
   }
 }

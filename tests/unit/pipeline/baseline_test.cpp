@@ -51,11 +51,11 @@ formats::Pack pack(float first = 0.25f) {
   formats::Pack result;
   result.name = "ball";
   result.mesh = sphere();
-  result.transfer.order = 1;
-  result.transfer.channels = 1;
+  result.sh().order = 1;
+  result.sh().channels = 1;
   std::vector<float> values(result.mesh.vertexCount(), 0.5f);
   values[0] = first;
-  result.transfer.vectors = formats::encodeTable(values, 1, formats::Precision::kFloat32, "", "");
+  result.sh().vectors = formats::encodeTable(values, 1, formats::Precision::kFloat32, "", "");
   return result;
 }
 

@@ -58,12 +58,12 @@ TEST_F(RendererTest, FurnaceIsWhite) {
 
 TEST_F(RendererTest, BaseColourMultipliesTheSurfaceAlone) {
   formats::Pack pack = spherePack(2, 32);
-  pack.base_color = {0.25f, 0.5f, 0.75f};
+  pack.appearances[0].base_color = {0.25f, 0.5f, 0.75f};
   Renderer renderer(pack, uniformLighting(2, 1));
   renderer.draw({.width_px = 65, .height_px = 65});
   const auto linear = renderer.target().linearImage();
   for (std::size_t c = 0; c < 3; ++c) {
-    EXPECT_NEAR(linear.texel(32, 32)[c], pack.base_color[c], 1e-4);
+    EXPECT_NEAR(linear.texel(32, 32)[c], pack.appearances[0].base_color[c], 1e-4);
     EXPECT_NEAR(linear.texel(0, 0)[c], 1, 1e-4);
   }
 }
@@ -203,7 +203,7 @@ TEST_F(RendererTest, MeshFarFromTheOriginLooksTheSame) {
 
 TEST_F(RendererTest, NoVertexShowsTheBackdrop) {
   formats::Pack pack;
-  pack.transfer.order = 2;
+  pack.sh().order = 2;
   Renderer renderer(pack, uniformLighting(2, 0.5f));
   renderer.draw({.width_px = 8, .height_px = 8});
   for (int x = 0; x < 8; ++x) EXPECT_NEAR(renderer.target().linearImage().texel(x, x)[0], 0.5, 1e-6);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <random>
 
+#include "tests/support/pack_parts.h"
 #include "tools/player/gl_context.h"
 #include "tools/player/gpu_light.h"
 #include "transport/triple_product.h"
@@ -10,8 +11,8 @@
 namespace bakelight::player {
 namespace {
 
-using formats::MatrixStorage;
 using formats::Precision;
+using formats::Storage;
 using transport::Float3;
 
 constexpr std::size_t kVertices = 301;  // no multiple of the work group, nor of a word's bytes
@@ -32,23 +33,23 @@ std::size_t squared(int order) {
   return static_cast<std::size_t>(transport::coefficientCount(order));
 }
 
-formats::RadianceTransfer randomTransfer(MatrixStorage storage, int row_order, int order, int channels,
-                                         Precision precision) {
+formats::ShTransfer randomTransfer(Storage storage, int row_order, int order, int channels,
+                                   Precision precision) {
   constexpr std::size_t kClusters = 7, kWeights = 3;
-  formats::RadianceTransfer transfer;
+  formats::ShTransfer transfer;
   transfer.order = order;
-  transfer.row_order = row_order;
+  makeGlossy(transfer, storage, row_order);
   transfer.channels = channels;
-  transfer.storage = storage;
   const std::size_t size = channels * squared(row_order) * squared(order);
-  if (storage == MatrixStorage::kMatrix) transfer.matrices = randomTable(kVertices, size, precision, 1);
-  if (storage == MatrixStorage::kVisibility)
-    transfer.matrices = randomTable(kVertices, squared(row_order + order - 1), precision, 2);
-  if (storage == MatrixStorage::kCpca) {
-    transfer.matrices = randomTable(kVertices, kWeights, precision, 3);
-    transfer.basis = randomTable(kClusters * (1 + kWeights), size, precision, 4);
+  if (storage == Storage::kMatrix)
+    transfer.glossy->vertexTable() = randomTable(kVertices, size, precision, 1);
+  if (storage == Storage::kVisibility)
+    transfer.glossy->vertexTable() = randomTable(kVertices, squared(row_order + order - 1), precision, 2);
+  if (storage == Storage::kCpca) {
+    transfer.glossy->vertexTable() = randomTable(kVertices, kWeights, precision, 3);
+    clustersOf(transfer).basis = randomTable(kClusters * (1 + kWeights), size, precision, 4);
     for (std::size_t v = 0; v < kVertices; ++v)
-      transfer.clusters.push_back(static_cast<std::uint32_t>((5 * v) % kClusters));
+      clustersOf(transfer).clusters.push_back(static_cast<std::uint32_t>((5 * v) % kClusters));
   }
   return transfer;
 }
@@ -62,9 +63,9 @@ transport::ShLight randomLight(int order) {
 }
 
 // row_order² × RGB of one row of matrices.
-std::vector<double> timesLight(const formats::RadianceTransfer& transfer, const float* row,
+std::vector<double> timesLight(const formats::ShTransfer& transfer, const float* row,
                                const transport::ShLight& light) {
-  const std::size_t rows = squared(transfer.row_order), columns = squared(transfer.order);
+  const std::size_t rows = squared(transfer.glossy->output_order), columns = squared(transfer.order);
   std::vector<double> result(rows * 3);
   for (std::size_t i = 0; i < rows; ++i)
     for (std::size_t c = 0; c < 3; ++c)
@@ -75,35 +76,36 @@ std::vector<double> timesLight(const formats::RadianceTransfer& transfer, const 
   return result;
 }
 
-std::vector<double> expectedOfVertex(const formats::RadianceTransfer& transfer, std::size_t v,
+std::vector<double> expectedOfVertex(const formats::ShTransfer& transfer, std::size_t v,
                                      const transport::ShLight& light) {
-  const auto table = transfer.matrices.decode();
-  const float* row = &table[v * transfer.matrices.columns];
-  if (transfer.storage == MatrixStorage::kMatrix) return timesLight(transfer, row, light);
-  if (transfer.storage == MatrixStorage::kVisibility) {
-    const transport::TripleProduct product(transfer.row_order, transfer.order);
-    std::vector<float> matrix(squared(transfer.row_order) * squared(transfer.order));
-    product.matrixOf({row, transfer.matrices.columns}, matrix);
+  const auto table = transfer.glossy->vertexTable().decode();
+  const float* row = &table[v * transfer.glossy->vertexTable().columns];
+  if (storageOf(transfer) == Storage::kMatrix) return timesLight(transfer, row, light);
+  if (storageOf(transfer) == Storage::kVisibility) {
+    const transport::TripleProduct product(transfer.glossy->output_order, transfer.order);
+    std::vector<float> matrix(squared(transfer.glossy->output_order) * squared(transfer.order));
+    product.matrixOf({row, transfer.glossy->vertexTable().columns}, matrix);
     return timesLight(transfer, matrix.data(), light);
   }
-  const auto basis = transfer.basis.decode();
-  std::vector<double> sum(3 * squared(transfer.row_order));
-  const std::size_t weights = transfer.matrices.columns;
+  const auto& clustered = std::get<formats::ClusteredOperator>(transfer.glossy->transfer);
+  const auto basis = clustered.basis.decode();
+  std::vector<double> sum(3 * squared(transfer.glossy->output_order));
+  const std::size_t weights = transfer.glossy->vertexTable().columns;
   for (std::size_t k = 0; k <= weights; ++k) {
-    const std::size_t basis_row = transfer.clusters[v] * (1 + weights) + k;
-    const auto part = timesLight(transfer, &basis[basis_row * transfer.basis.columns], light);
+    const std::size_t basis_row = clustered.clusters[v] * (1 + weights) + k;
+    const auto part = timesLight(transfer, &basis[basis_row * clustered.basis.columns], light);
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += (k == 0 ? 1 : row[k - 1]) * part[i];
   }
   return sum;
 }
 
-std::vector<float> evaluate(const formats::RadianceTransfer& transfer, const transport::ShLight& light,
+std::vector<float> evaluate(const formats::ShTransfer& transfer, const transport::ShLight& light,
                             std::size_t largest_block_bytes = 0) {
   TransferPass pass(transfer, largest_block_bytes);
   const Buffer buffer = makeLightBuffer();
   setLight(buffer, light);
   pass.evaluate(buffer);
-  std::vector<float> result(kVertices * 3 * squared(transfer.row_order));
+  std::vector<float> result(kVertices * 3 * squared(transfer.glossy->output_order));
   glGetNamedBufferSubData(pass.buffer().name(), 0, static_cast<GLsizeiptr>(result.size() * sizeof(float)),
                           result.data());
   throwIfGlFailed("reading back");
@@ -120,11 +122,11 @@ class TransferPassTest : public testing::Test {
 };
 
 TEST_F(TransferPassTest, IsMatrixTimesLightForEachStorageAndPrecision) {
-  for (const auto storage : {MatrixStorage::kMatrix, MatrixStorage::kVisibility, MatrixStorage::kCpca})
+  for (const auto storage : {Storage::kMatrix, Storage::kVisibility, Storage::kCpca})
     for (const auto precision : {Precision::kFloat32, Precision::kFloat16, Precision::kUint8})
       for (const Shape shape : {Shape{1, 1}, Shape{5, 5}, Shape{5, 3}, Shape{2, 4}})
         for (const int channels : {1, 3}) {
-          if (storage == MatrixStorage::kVisibility && channels == 3) continue;
+          if (storage == Storage::kVisibility && channels == 3) continue;
           const auto transfer = randomTransfer(storage, shape.row_order, shape.order, channels, precision);
           const auto light = randomLight(shape.order);
           const auto actual = evaluate(transfer, light);
@@ -140,7 +142,7 @@ TEST_F(TransferPassTest, IsMatrixTimesLightForEachStorageAndPrecision) {
 
 TEST_F(TransferPassTest, OrderTen) {
   const auto light = randomLight(10);
-  for (const auto storage : {MatrixStorage::kMatrix, MatrixStorage::kVisibility}) {
+  for (const auto storage : {Storage::kMatrix, Storage::kVisibility}) {
     const auto transfer = randomTransfer(storage, 10, 10, 1, Precision::kFloat16);
     const auto actual = evaluate(transfer, light);
     const auto expected = expectedOfVertex(transfer, 300, light);
@@ -150,7 +152,7 @@ TEST_F(TransferPassTest, OrderTen) {
 
 TEST_F(TransferPassTest, PiecesGiveTheSameAsTheWholeTable) {
   const auto light = randomLight(5);
-  for (const auto storage : {MatrixStorage::kMatrix, MatrixStorage::kVisibility, MatrixStorage::kCpca}) {
+  for (const auto storage : {Storage::kMatrix, Storage::kVisibility, Storage::kCpca}) {
     const auto transfer = randomTransfer(storage, 5, 5, 1, Precision::kUint8);
     EXPECT_GT(TransferPass(transfer, 1000).dispatchCount(), TransferPass(transfer).dispatchCount())
         << "nothing was cut";
@@ -159,13 +161,13 @@ TEST_F(TransferPassTest, PiecesGiveTheSameAsTheWholeTable) {
 }
 
 TEST_F(TransferPassTest, TablesThatDoNotFitAreRefused) {
-  auto transfer = randomTransfer(MatrixStorage::kCpca, 2, 2, 1, Precision::kFloat32);
-  transfer.clusters[17] = 7;
+  auto transfer = randomTransfer(Storage::kCpca, 2, 2, 1, Precision::kFloat32);
+  clustersOf(transfer).clusters[17] = 7;
   EXPECT_THROW(TransferPass{transfer}, std::invalid_argument);
-  transfer = randomTransfer(MatrixStorage::kMatrix, 2, 2, 1, Precision::kFloat32);
-  transfer.row_order = 3;
+  transfer = randomTransfer(Storage::kMatrix, 2, 2, 1, Precision::kFloat32);
+  transfer.glossy->output_order = 3;
   EXPECT_THROW(TransferPass{transfer}, std::invalid_argument);
-  transfer.storage = MatrixStorage::kNone;
+  transfer.glossy.reset();
   EXPECT_THROW(TransferPass{transfer}, std::invalid_argument);
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <set>
 
+#include "tests/support/pack_parts.h"
 #include "tests/unit/reference/scenes.h"
 #include "transport/directions.h"
 #include "transport/gauss_legendre.h"
@@ -18,8 +19,8 @@ using reference::Integrator;
 
 constexpr double kPi = std::numbers::pi;
 
-formats::GlossyMaterial lobeMaterial(formats::LobeModel model, float parameter, float specular = 0.8f) {
-  formats::GlossyMaterial material;
+formats::MadeReflection lobeMaterial(formats::Lobe model, float parameter, float specular = 0.8f) {
+  formats::MadeReflection material;
   material.model = model;
   material.exponent = material.roughness = parameter;
   material.specular_color = {specular, specular, specular};
@@ -27,16 +28,16 @@ formats::GlossyMaterial lobeMaterial(formats::LobeModel model, float parameter, 
 }
 
 struct LobeCase {
-  formats::LobeModel model;
+  formats::Lobe model;
   float parameter;
 };
 
 class LobeShape : public testing::TestWithParam<LobeCase> {
  protected:
   LobeShape()
-      : lobe_(GetParam().model == formats::LobeModel::kPhong ? Lobe::phong(GetParam().parameter)
-                                                             : Lobe::ggx(GetParam().parameter)),
-        kernel_(GetParam().model == formats::LobeModel::kPhong
+      : lobe_(GetParam().model == formats::Lobe::kPhong ? Lobe::phong(GetParam().parameter)
+                                                        : Lobe::ggx(GetParam().parameter)),
+        kernel_(GetParam().model == formats::Lobe::kPhong
                     ? transport::phongKernel(kOrder, GetParam().parameter)
                     : transport::ggxKernel(kOrder, GetParam().parameter)) {}
 
@@ -74,10 +75,10 @@ TEST_P(LobeShape, SamplesHaveTheSameMoments) {
 
 INSTANTIATE_TEST_SUITE_P(
     Lobes, LobeShape,
-    testing::Values(LobeCase{formats::LobeModel::kPhong, 0}, LobeCase{formats::LobeModel::kPhong, 7.5f},
-                    LobeCase{formats::LobeModel::kPhong, 300}, LobeCase{formats::LobeModel::kGgx, 0.1f},
-                    LobeCase{formats::LobeModel::kGgx, 0.4f}, LobeCase{formats::LobeModel::kGgx, 0.9f},
-                    LobeCase{formats::LobeModel::kGgx, 0.99f}, LobeCase{formats::LobeModel::kGgx, 1}));
+    testing::Values(LobeCase{formats::Lobe::kPhong, 0}, LobeCase{formats::Lobe::kPhong, 7.5f},
+                    LobeCase{formats::Lobe::kPhong, 300}, LobeCase{formats::Lobe::kGgx, 0.1f},
+                    LobeCase{formats::Lobe::kGgx, 0.4f}, LobeCase{formats::Lobe::kGgx, 0.9f},
+                    LobeCase{formats::Lobe::kGgx, 0.99f}, LobeCase{formats::Lobe::kGgx, 1}));
 
 // Mean of value(s) over a fine set of directions: what a uniform sky of 1 gives.
 double underUniformSky(const Bsdf& bsdf) {
@@ -96,7 +97,7 @@ class UniformSky : public testing::TestWithParam<std::tuple<LobeCase, Integrator
 TEST_P(UniformSky, LobeGivesItsColourTimesItsShareAboveTheSurface) {
   const auto& [lobe, integrator] = GetParam();
   formats::Pack pack = packOf(floorSquare(1), 0.3f);
-  pack.transfer.material = lobeMaterial(lobe.model, lobe.parameter);
+  reflectionOf(pack) = lobeMaterial(lobe.model, lobe.parameter);
   const Scene scene = sceneOf(pack, uniformRig());
   transport::Hit hit;
   hit.valid = true;
@@ -119,13 +120,13 @@ TEST_P(UniformSky, LobeGivesItsColourTimesItsShareAboveTheSurface) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Lobes, UniformSky,
-                         testing::Combine(testing::Values(LobeCase{formats::LobeModel::kPhong, 20},
-                                                          LobeCase{formats::LobeModel::kGgx, 0.35f},
-                                                          LobeCase{formats::LobeModel::kGgx, 0.8f}),
+                         testing::Combine(testing::Values(LobeCase{formats::Lobe::kPhong, 20},
+                                                          LobeCase{formats::Lobe::kGgx, 0.35f},
+                                                          LobeCase{formats::Lobe::kGgx, 0.8f}),
                                           testing::Values(Integrator::kMis, Integrator::kUniform)));
 
 TEST(Bsdf, SamplesIntegrateToOneAndKnowTheirDensity) {
-  const Material material(lobeMaterial(formats::LobeModel::kGgx, 0.5f, 0.4f));
+  const Material material(lobeMaterial(formats::Lobe::kGgx, 0.5f, 0.4f));
   const Vec3 normal = Vec3(1, 2, -0.5).normalized(), outgoing = Vec3(0.3, 1, 0.4).normalized();
   const Bsdf bsdf(material, Rgb(0.2, 0.5, 0.7), normal, outgoing, true);
   double density = 0, reflectance = 0;
@@ -167,7 +168,7 @@ formats::LightRig coarseImageRig() {
 
 TEST(Mirror, ShowsExactlyWhatItSees) {
   formats::Pack pack = packOf(floorSquare(1), 0);
-  pack.transfer.material = lobeMaterial(formats::LobeModel::kGgx, 0, 0.5f);
+  reflectionOf(pack) = lobeMaterial(formats::Lobe::kGgx, 0, 0.5f);
   const Scene scene = sceneOf(pack, coarseImageRig());
   transport::Hit hit;
   hit.valid = true;
@@ -191,7 +192,7 @@ TEST(Mirror, ShowsExactlyWhatItSees) {
 // Diffuse part and mirror of one surface add up.
 TEST(Mirror, AddsToTheDiffusePart) {
   formats::Pack pack = packOf(floorSquare(1), 0.4f);
-  pack.transfer.material = lobeMaterial(formats::LobeModel::kGgx, 0, 0.5f);
+  reflectionOf(pack) = lobeMaterial(formats::Lobe::kGgx, 0, 0.5f);
   const Scene scene = sceneOf(pack, uniformRig());
   const ShadingPoint point = scene.pointAtVertex(0);
   for (const auto integrator : {Integrator::kMis, Integrator::kUniform}) {
@@ -210,7 +211,7 @@ TEST(Transport, InterreflectedLeavesLobesOfLaterBouncesOut) {
   for (auto& normal : wall.normals) normal = {1, 0, 0};
   for (auto& triangle : wall.triangles) std::swap(triangle[1], triangle[2]);
   append(pack.mesh, wall);
-  pack.transfer.material = lobeMaterial(formats::LobeModel::kGgx, 0, 0.5f);
+  reflectionOf(pack) = lobeMaterial(formats::Lobe::kGgx, 0, 0.5f);
   const Scene scene = sceneOf(pack, uniformRig());
   const ShadingPoint point{Vec3(0, 1e-4, 0), Vec3::UnitY(), Rgb::Zero()};
   const Vec3 outgoing = Vec3(1, 1, 0).normalized();  // reflected towards the wall
@@ -224,8 +225,8 @@ TEST(Transport, InterreflectedLeavesLobesOfLaterBouncesOut) {
 // A table's value is its SH expansion, as tableRows has it, over the hemisphere above the surface.
 TEST(Table, IsItsExpansion) {
   formats::Pack pack = packOf(floorSquare(1), 0.2f);
-  formats::BrdfTable& table = pack.transfer.material.table;
-  pack.transfer.material.model = formats::LobeModel::kTable;
+  reflectionOf(pack) = formats::BrdfTable();
+  formats::BrdfTable& table = reflectionAs<formats::BrdfTable>(pack);
   table.angles = 3;
   table.order = 4;
   for (int angle = 0; angle < table.angles; ++angle)

@@ -15,7 +15,7 @@ using reference::Rgb;
 inline formats::Pack packOf(const TriangleMesh& mesh, float albedo) {
   formats::Pack pack;
   pack.mesh = mesh;
-  pack.base_color = {albedo, albedo, albedo};
+  pack.appearances[0].base_color = {albedo, albedo, albedo};
   return pack;
 }
 

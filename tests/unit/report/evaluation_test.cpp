@@ -64,12 +64,12 @@ TEST(Evaluation, BrokenPacksStandOut) {
   MadeReport made(truth(), frame);
   const formats::Pack good = madeGlossyPack(6);
   formats::Pack without_inverse_pi = good, flipped = good, turned = good;
-  std::vector<float> vectors = good.transfer.vectors.decode();
+  std::vector<float> vectors = good.sh().vectors.decode();
   for (float& value : vectors) value *= static_cast<float>(std::numbers::pi);
-  without_inverse_pi.transfer.vectors = formats::encodeTable(vectors, good.transfer.vectors.columns,
-                                                             formats::Precision::kFloat32, "test", "table");
+  without_inverse_pi.sh().vectors =
+      formats::encodeTable(vectors, good.sh().vectors.columns, formats::Precision::kFloat32, "test", "table");
   for (auto& position : flipped.mesh.positions) position[2] = 10 - position[2];
-  for (auto& tangent : turned.transfer.tangents) {
+  for (auto& tangent : turned.sh().glossy->tangents) {
     tangent[0] = -tangent[0], tangent[1] = -tangent[1], tangent[2] = -tangent[2];
   }
   made.addVariant("good", Json::object(), good);
@@ -87,7 +87,7 @@ TEST(Evaluation, BrokenPacksStandOut) {
 TEST(Evaluation, WarnsOfVariantsThatShowAnotherScene) {
   MadeReport made(truth());
   formats::Pack darker = madeGlossyPack(3);
-  darker.base_color = {0.5F, 0.42F, 0.36F};
+  darker.appearances[0].base_color = {0.5F, 0.42F, 0.36F};
   made.addVariant("first", Json::object(), madeGlossyPack(2));
   made.addVariant("second", Json::object(), madeGlossyPack(3));
   made.addVariant("darker", Json::object(), darker);

@@ -36,17 +36,20 @@ TEST(CameraFrom, StandsAndLooksWhereItIsTold) {
   EXPECT_THROW(cameraFrom({1, 2, 3}, {1, 2, 3}, 30), std::invalid_argument);
 }
 
+const transport::RadianceAtHits kNoEmitters = transport::interpolated({}, {});
+
 // The renderer that the previews use, with its own rays.
 TEST(GBuffer, GivesThePictureOfTheCpuRenderer) {
   const formats::Pack pack = tests::wavyPack(2, 24);
   const auto camera = transport::frameSphere(transport::boundingSphere(pack.mesh), 30, 20, 35, 1.5);
   const std::vector<Float3> radiance = normalsAsRadiance(pack);
-  const auto expected = transport::renderOnCpu(pack.mesh, transport::RayScene(pack.mesh), radiance, camera,
-                                               kGrid, [](const Vec3&) {
-                                                 return formats::Float4{0, 0, 0, 0};
-                                               });
+  const transport::RadianceAtHits shade = transport::interpolated(pack.mesh.triangles, radiance);
+  const auto expected =
+      transport::renderOnCpu(transport::RayScene(pack.mesh), shade, camera, kGrid, [](const Vec3&) {
+        return formats::Float4{0, 0, 0, 0};
+      });
   const GBuffer gbuffer = traceGBuffer(pack.mesh, {}, Eigen::Matrix3d::Identity(), camera, kGrid);
-  const Picture picture = pictureOf(gbuffer, radiance, {});
+  const Picture picture = pictureOf(gbuffer, shade, kNoEmitters);
   ASSERT_EQ(picture.linear.values.size(), expected.linear.values.size());
   std::size_t covered = 0;
   for (std::size_t i = 0; i < picture.linear.values.size(); ++i) {
@@ -66,10 +69,11 @@ TEST(GBuffer, TurnsTheObjectAboutTheCamerasTarget) {
   const auto orbited = transport::frameSphere(bounds, 30, 0, 35, 1.5);
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(40 * std::acos(-1.0) / 180, Vec3::UnitY()).toRotationMatrix();
-  const Picture turned =
-      pictureOf(traceGBuffer(pack.mesh, {}, turn, camera, kGrid), normalsAsRadiance(pack), {});
-  const Picture expected = pictureOf(traceGBuffer(pack.mesh, {}, Eigen::Matrix3d::Identity(), orbited, kGrid),
-                                     normalsAsRadiance(pack), {});
+  const std::vector<Float3> normals = normalsAsRadiance(pack);
+  const transport::RadianceAtHits shade = transport::interpolated(pack.mesh.triangles, normals);
+  const Picture turned = pictureOf(traceGBuffer(pack.mesh, {}, turn, camera, kGrid), shade, kNoEmitters);
+  const Picture expected =
+      pictureOf(traceGBuffer(pack.mesh, {}, Eigen::Matrix3d::Identity(), orbited, kGrid), shade, kNoEmitters);
   std::size_t different = 0;
   for (std::size_t i = 0; i < turned.linear.values.size(); ++i)
     different += std::abs(turned.linear.values[i] - expected.linear.values[i]) > 1e-3;
@@ -84,9 +88,11 @@ TEST(GBuffer, EmittersAreSeenButNotCounted) {
   emitters.mesh.positions = {{-0.2F, -0.2F, 1.5F}, {0.2F, -0.2F, 1.5F}, {0, 0.3F, 1.5F}};
   emitters.mesh.triangles = {{0, 1, 2}};
   emitters.radiance.assign(3, {7, 8, 9});
+  const std::vector<Float3> white(pack.mesh.vertexCount(), {1, 1, 1});
   const Picture picture =
       pictureOf(traceGBuffer(pack.mesh, emitters, Eigen::Matrix3d::Identity(), camera, kGrid),
-                std::vector<Float3>(pack.mesh.vertexCount(), {1, 1, 1}), emitters.radiance);
+                transport::interpolated(pack.mesh.triangles, white),
+                transport::interpolated(emitters.mesh.triangles, emitters.radiance));
   const std::size_t center = 20 * 60 + 30;
   EXPECT_EQ(picture.linear.values[4 * center], 7);
   EXPECT_EQ(picture.linear.values[4 * center + 3], 1);

@@ -7,9 +7,9 @@
 #include "formats/light_rig_file.h"
 #include "formats/pack.h"
 #include "tests/e2e/made_packs.h"
+#include "tests/support/evaluate_pack.h"
 #include "transport/cpu_renderer.h"
 #include "transport/frame.h"
-#include "transport/glossy_evaluator.h"
 #include "transport/lighting.h"
 #include "transport/near_light.h"
 #include "transport/ray_scene.h"
@@ -58,14 +58,15 @@ formats::Image render(const formats::Pack& pack, const transport::Lighting& ligh
                       const formats::FrameSettings& frame, const transport::OrbitCamera& camera) {
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(frame);
   const Vec3 center = transport::boundingSphere(pack.mesh).center;
-  const transport::ShRotation rotation(pack.transfer.order,
+  const transport::ShRotation rotation(pack.sh().order,
                                        world_from_object.transpose() * transport::worldFromLight(frame));
   const auto radiance =
       transport::evaluatePack(pack, rotation.apply(lighting.distant), {},
                               world_from_object.transpose() * (camera.eye() - center) + center);
   formats::TriangleMesh turned = pack.mesh;
   transport::turnAbout(center, world_from_object, turned.positions);
-  return transport::renderOnCpu(turned, transport::RayScene(turned), radiance, camera,
+  return transport::renderOnCpu(transport::RayScene(turned),
+                                transport::interpolated(turned.triangles, radiance), camera,
                                 {frame.width_px, frame.height_px, 2},
                                 [](const Vec3&) {
                                   return formats::Float4{0, 0, 0, 0};
@@ -94,7 +95,7 @@ Json MadeReport::addPicture(const std::string& name, const formats::Pack& pack, 
   const formats::FrameSettings frame = formats::frameSettingsFromJson(view_json["frame"], "made", "");
   formats::LightRig rig;
   if (view == 0) rig.distant.push_back(formats::EnvironmentLight{"sky.exr", images.at("sky.exr")});
-  const transport::Lighting lighting = transport::lightingFor(rig, pack.transfer.order, "made");
+  const transport::Lighting lighting = transport::lightingFor(rig, pack.sh().order, "made");
   const transport::OrbitCamera camera = transport::frameCamera(frame, transport::boundingSphere(pack.mesh));
   const formats::Image clean = render(pack, lighting, frame, camera);
 
@@ -134,7 +135,7 @@ Json MadeReport::addReferences(const std::string& name, const formats::Pack& pac
 
 Json& MadeReport::addVariant(const std::string& name, Json parameters, const formats::Pack& pack,
                              Json chain) {
-  const double order = pack.transfer.order;
+  const double order = pack.sh().order;
   json["variants"].push_back({{"name", name},
                               {"parameters", std::move(parameters)},
                               {"pack", addPack("pack" + std::to_string(json["variants"].size()), pack)},
@@ -199,10 +200,8 @@ formats::Pack madeGlossyPack(int order, int rings) {
   formats::Pack pack = wavyPack(order, rings);
   for (const auto& normal : pack.mesh.normals)
     pack.colors.push_back({0.6F + 0.4F * normal[0], 0.7F, 0.6F - 0.3F * normal[1]});
-  addGlossyTransfer(pack, order, formats::MatrixStorage::kMatrix);
-  pack.transfer.material.model = formats::LobeModel::kPhong;
-  pack.transfer.material.exponent = 12;
-  pack.transfer.material.specular_color = {0.4F, 0.4F, 0.4F};
+  addGlossyTransfer(pack, order, formats::Storage::kMatrix);
+  reflectionOf(pack) = formats::PhongLobe{12, {0.4F, 0.4F, 0.4F}};
   return pack;
 }
 

@@ -21,13 +21,17 @@ Lighting lightingOf(const formats::Emitter& emitter) {
   return lighting;
 }
 
+ShLight nearLightOf(const formats::Pack& pack, const Lighting& lighting,
+                    const Eigen::Matrix3d& turn = Eigen::Matrix3d::Identity()) {
+  return nearLight(pack.mesh, makePackShading(pack)->needs(), lighting, 0, turn);
+}
+
 TEST(NearLight, AnEmitterAllAroundIsAUniformLight) {
   formats::Emitter around;
   around.shape = formats::Emitter::Shape::kSphere;
   around.radius = 3;
   around.radiance = {1, 2, 3};
-  const ShLight light =
-      nearLight(tests::spherePack(kOrder, 8), lightingOf(around), 0, Eigen::Matrix3d::Identity());
+  const ShLight light = nearLightOf(tests::spherePack(kOrder, 8), lightingOf(around));
   const ShLight expected = uniformLight(kOrder, around.radiance);
   ASSERT_EQ(light.size(), expected.size());
   for (std::size_t i = 0; i < light.size(); ++i)
@@ -44,8 +48,8 @@ TEST(NearLight, IsInTheTurnedObjectsFrame) {
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.8, Vec3(1, 2, -1).normalized()).toRotationMatrix();
   Lighting lighting = lightingOf(lamp);
   lighting.cube_resolution = 192;
-  const ShLight still = nearLight(pack, lighting, 0, Eigen::Matrix3d::Identity());
-  const ShLight turned = nearLight(pack, lighting, 0, turn);
+  const ShLight still = nearLightOf(pack, lighting);
+  const ShLight turned = nearLightOf(pack, lighting, turn);
   const ShLight expected = ShRotation(kOrder, turn.transpose()).apply(still);
   double difference = 0;
   for (std::size_t i = 0; i < turned.size(); ++i) {
@@ -61,10 +65,10 @@ TEST(NearLight, StandsAtTheVirtualSpheresCentreWherePacksHaveNearVectors) {
   lamp.shape = formats::Emitter::Shape::kSphere;
   lamp.radius = 0.5;
   lamp.position = {0, 0, 4};
-  const ShLight from_middle = nearLight(pack, lightingOf(lamp), 0, Eigen::Matrix3d::Identity());
+  const ShLight from_middle = nearLightOf(pack, lightingOf(lamp));
   tests::addNearTransfer(pack, 2);
-  pack.transfer.sphere_center = {0, 0, 2};
-  const ShLight from_sphere = nearLight(pack, lightingOf(lamp), 0, Eigen::Matrix3d::Identity());
+  pack.sh().near_field->center = {0, 0, 2};
+  const ShLight from_sphere = nearLightOf(pack, lightingOf(lamp));
   // Solid angles of a ball of radius 0.5 at distances 4 and 2.
   const auto solid_angle = [](double distance) {
     return 2 * std::numbers::pi * (1 - std::sqrt(1 - 0.25 / (distance * distance)));
@@ -75,7 +79,7 @@ TEST(NearLight, StandsAtTheVirtualSpheresCentreWherePacksHaveNearVectors) {
 }
 
 TEST(NearLight, IsEmptyWithoutEmitters) {
-  EXPECT_TRUE(nearLight(tests::spherePack(2, 4), Lighting(), 0, Eigen::Matrix3d::Identity()).empty());
+  EXPECT_TRUE(nearLightOf(tests::spherePack(2, 4), Lighting()).empty());
 }
 
 }  // namespace

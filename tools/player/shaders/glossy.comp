@@ -13,12 +13,13 @@ layout(std430, binding = 5) readonly buffer Diffuse { float diffuse[]; };       
 layout(std430, binding = 6) readonly buffer Brdf { float brdf[]; };  // angles × RGB × BRDF_COEFFICIENTS
 #endif
 
-layout(location = 0) uniform uint vertex_count;  // of the bound range
+layout(location = 0) uniform uint vertex_end;    // in the bound range
 layout(location = 1) uniform vec3 eye;           // where positions are
 #ifndef BRDF_ANGLES
 layout(location = 2) uniform vec3 specular_color;
 layout(location = 3) uniform float kernel[10];  // a band
 #endif
+layout(location = 13) uniform uint vertex_first;
 
 vec3 transferredAt(uint vertex, uint l, int m) {
   uint at = 3u * (vertex * uint(ROW_ORDER * ROW_ORDER) + uint(int(l * (l + 1u)) + m));
@@ -92,8 +93,8 @@ vec3 lobeAround(uint vertex, vec3 direction) {
 #endif
 
 void main() {
-  uint vertex = gl_GlobalInvocationID.x;
-  if (vertex >= vertex_count) return;
+  uint vertex = vertex_first + gl_GlobalInvocationID.x;
+  if (vertex >= vertex_end) return;
   uint first = 3u * vertex;
   vec3 normal = vec3(normals[first], normals[first + 1u], normals[first + 2u]);
   vec3 tangent = tangents[vertex].xyz;

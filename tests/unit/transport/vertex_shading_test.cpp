@@ -4,17 +4,18 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "tests/support/evaluate_pack.h"
+#include "tests/support/pack_parts.h"
 #include "transport/directions.h"
 #include "transport/evaluator.h"
 #include "transport/glossy.h"
-#include "transport/glossy_evaluator.h"
 
 namespace bakelight::transport {
 namespace {
 
-using formats::LobeModel;
-using formats::MatrixStorage;
+using formats::Lobe;
 using formats::Pack;
+using formats::Storage;
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kOrder = 4;
@@ -34,25 +35,22 @@ std::vector<Float3> someLight(double phase = 0) {
   return light;
 }
 
-// A sphere's vertices: nothing shadows anything. Every third frame is left-handed.
+// A sphere's vertices: nothing shadows anything.
 Pack convexPack() {
   Pack pack;
-  pack.transfer.order = pack.transfer.row_order = kOrder;
-  pack.transfer.transport = "unshadowed";
+  pack.sh().order = kOrder;
+  pack.sh().transport = formats::Transport::kUnshadowed;
   std::vector<float> vectors;
   const std::vector<double> cosine = clampedCosineFactors(kOrder);
   for (const Vec3& normal : sphereDirections(kVertices)) {
-    const std::size_t vertex = pack.mesh.positions.size();
     pack.mesh.positions.push_back(float3(normal));
     pack.mesh.normals.push_back(float3(normal));
-    const Float3 tangent = float3(normal.unitOrthogonal());
-    pack.transfer.tangents.push_back({tangent[0], tangent[1], tangent[2], vertex % 3 == 0 ? -1.0f : 1.0f});
     const std::vector<double> y = evaluateSh(kOrder, normal);
     for (int l = 0; l < kOrder; ++l)
       for (int i = l * l; i < (l + 1) * (l + 1); ++i)
         vectors.push_back(static_cast<float>(cosine[l] / kPi * y[i]));
   }
-  pack.transfer.vectors = exactTable(vectors, coefficientCount(kOrder));
+  pack.sh().vectors = exactTable(vectors, coefficientCount(kOrder));
   return pack;
 }
 
@@ -61,7 +59,7 @@ std::vector<float> localMatrices(const Pack& pack) {
   std::vector<float> matrices;
   const std::size_t count = coefficientCount(kOrder);
   for (std::size_t v = 0; v < kVertices; ++v) {
-    const formats::Float4& t = pack.transfer.tangents[v];
+    const formats::Float4& t = pack.sh().glossy->tangents[v];
     Eigen::Matrix3d frame;
     frame.col(0) = Vec3(t[0], t[1], t[2]);
     frame.col(2) = vec3(pack.mesh.normals[v]);
@@ -82,28 +80,33 @@ std::vector<float> localMatrices(const Pack& pack) {
   return matrices;
 }
 
-void store(Pack& pack, MatrixStorage storage) {
+// Every third frame is left-handed.
+void store(Pack& pack, Storage storage) {
   const std::size_t cells = coefficientCount(kOrder) * coefficientCount(kOrder);
-  pack.transfer.storage = storage;
-  if (storage == MatrixStorage::kMatrix) pack.transfer.matrices = exactTable(localMatrices(pack), cells);
-  if (storage == MatrixStorage::kVisibility) {
+  makeGlossy(pack.sh(), storage, kOrder);
+  for (std::size_t v = 0; v < kVertices; ++v) {
+    const Float3 tangent = float3(vec3(pack.mesh.normals[v]).unitOrthogonal());
+    pack.sh().glossy->tangents.push_back({tangent[0], tangent[1], tangent[2], v % 3 == 0 ? -1.0f : 1.0f});
+  }
+  if (storage == Storage::kMatrix) pack.sh().glossy->vertexTable() = exactTable(localMatrices(pack), cells);
+  if (storage == Storage::kVisibility) {
     const std::size_t count = coefficientCount(2 * kOrder - 1);
     std::vector<float> visible(kVertices * count);
     for (std::size_t v = 0; v < kVertices; ++v) visible[v * count] = static_cast<float>(std::sqrt(4 * kPi));
-    pack.transfer.matrices = exactTable(visible, count);
+    pack.sh().glossy->vertexTable() = exactTable(visible, count);
   }
-  if (storage == MatrixStorage::kCpca) {
+  if (storage == Storage::kCpca) {
     // Two clusters of mean zero would need many components; a cluster a vertex needs none but its mean.
     std::vector<float> basis;
     const std::vector<float> matrices = localMatrices(pack);
     for (std::size_t v = 0; v < kVertices; ++v) {
-      pack.transfer.clusters.push_back(static_cast<std::uint32_t>(kVertices - 1 - v));
+      clustersOf(pack).clusters.push_back(static_cast<std::uint32_t>(kVertices - 1 - v));
       const auto row = matrices.begin() + (kVertices - 1 - v) * cells;
       basis.insert(basis.end(), row, row + cells);
       basis.insert(basis.end(), cells, 0.0f);
     }
-    pack.transfer.basis = exactTable(basis, cells);
-    pack.transfer.matrices = exactTable(std::vector<float>(kVertices, 0.0f), 1);
+    clustersOf(pack).basis = exactTable(basis, cells);
+    pack.sh().glossy->vertexTable() = exactTable(std::vector<float>(kVertices, 0.0f), 1);
   }
 }
 
@@ -119,16 +122,15 @@ formats::BrdfTable lambertTable() {
   return table;
 }
 
-class PackStorages : public testing::TestWithParam<MatrixStorage> {};
+class PackStorages : public testing::TestWithParam<Storage> {};
 
 // The glossy path with Lambert's BRDF gives what the diffuse vectors give.
 TEST_P(PackStorages, LambertAsATableEqualsTheDiffusePart) {
   Pack pack = convexPack();
   const std::vector<Float3> expected = evaluatePack(pack, someLight(), {}, kEye);
-  pack.transfer.vectors = {};
+  pack.sh().vectors = {};
   store(pack, GetParam());
-  pack.transfer.material.model = LobeModel::kTable;
-  pack.transfer.material.table = lambertTable();
+  reflectionOf(pack) = lambertTable();
   const std::vector<Float3> found = evaluatePack(pack, someLight(), {}, kEye);
   ASSERT_EQ(found.size(), kVertices);
   for (std::size_t v = 0; v < kVertices; ++v)
@@ -138,16 +140,14 @@ TEST_P(PackStorages, LambertAsATableEqualsTheDiffusePart) {
 // Without shadows the lobe sees the light itself: Σ g_l y_i(reflection) L_i, by vectors in the object's
 // frame.
 TEST_P(PackStorages, LobesReflectTheLightItself) {
-  for (const LobeModel model : {LobeModel::kPhong, LobeModel::kGgx}) {
+  for (const Lobe model : {Lobe::kPhong, Lobe::kGgx}) {
     Pack pack = convexPack();
     store(pack, GetParam());
-    pack.transfer.vectors = {};
-    pack.transfer.material.model = model;
-    pack.transfer.material.exponent = 6;
-    pack.transfer.material.roughness = 0.4f;
-    pack.transfer.material.specular_color = {1, 0.5f, 0.25f};
+    pack.sh().vectors = {};
+    const Float3 specular = {1, 0.5f, 0.25f};
+    reflectionOf(pack) = formats::MadeReflection{model, 6, 0.4f, specular, {}};
     const std::vector<double> kernel =
-        model == LobeModel::kPhong ? phongKernel(kOrder, 6) : ggxKernel(kOrder, 0.4f);
+        model == Lobe::kPhong ? phongKernel(kOrder, 6) : ggxKernel(kOrder, 0.4f);
     const std::vector<Float3> found = evaluatePack(pack, someLight(), {}, kEye), light = someLight();
     for (std::size_t v = 0; v < kVertices; ++v) {
       const Vec3 normal = vec3(pack.mesh.normals[v]);
@@ -161,7 +161,7 @@ TEST_P(PackStorages, LobesReflectTheLightItself) {
         double sum = 0;
         for (int l = 0; l < kOrder; ++l)
           for (int i = l * l; i < (l + 1) * (l + 1); ++i) sum += kernel[l] * y[i] * light[i][c];
-        EXPECT_NEAR(found[v][c], sum * pack.transfer.material.specular_color[c], 3e-6) << "vertex " << v;
+        EXPECT_NEAR(found[v][c], sum * specular[c], 3e-6) << "vertex " << v;
       }
     }
   }
@@ -173,22 +173,20 @@ TEST_P(PackStorages, UniformLightStaysUniform) {
   for (const float exponent : {0.0f, 1.0f, 50.0f}) {
     Pack pack = convexPack();
     store(pack, GetParam());
-    pack.transfer.vectors = {};
-    pack.transfer.material.model = LobeModel::kPhong;
-    pack.transfer.material.exponent = exponent;
+    pack.sh().vectors = {};
+    reflectionOf(pack) = formats::PhongLobe{exponent, {1, 1, 1}};
     for (const Float3& color : evaluatePack(pack, sky, {}, kEye))
       for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(color[c], static_cast<double>(1 + c), 5e-6);
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Storages, PackStorages,
-                         testing::Values(MatrixStorage::kMatrix, MatrixStorage::kVisibility,
-                                         MatrixStorage::kCpca),
+                         testing::Values(Storage::kMatrix, Storage::kVisibility, Storage::kCpca),
                          [](const auto& instance) { return nameOf(instance.param); });
 
-TEST(PackEvaluator, AddsGlossyToColouredDiffuse) {
+TEST(VertexShading, AddsGlossyToColouredDiffuse) {
   Pack pack = convexPack();
-  pack.base_color = {0.5f, 0.25f, 1};
+  pack.appearances[0].base_color = {0.5f, 0.25f, 1};
   pack.colors.assign(kVertices, {1, 1, 1});
   pack.colors[7] = {0.5f, 0, 1};
   const std::vector<Float3> sky = uniformLight(kOrder, {1, 1, 1});
@@ -197,15 +195,14 @@ TEST(PackEvaluator, AddsGlossyToColouredDiffuse) {
   EXPECT_NEAR(radiance[6][1], 0.25, 1e-5);
   EXPECT_NEAR(radiance[7][0], 0.25, 1e-5);
   EXPECT_NEAR(radiance[7][1], 0, 1e-5);
-  store(pack, MatrixStorage::kMatrix);
-  pack.transfer.material.model = LobeModel::kPhong;
-  pack.transfer.material.specular_color = {0.1f, 0.1f, 0.1f};
+  store(pack, Storage::kMatrix);
+  reflectionOf(pack) = formats::PhongLobe{0, {0.1f, 0.1f, 0.1f}};
   radiance = evaluatePack(pack, sky, {}, kEye);
   EXPECT_NEAR(radiance[7][0], 0.35, 1e-5);
   EXPECT_NEAR(radiance[7][1], 0.1, 1e-5) << "the lobe is not tinted by the diffuse colour";
 }
 
-TEST(PackEvaluator, TakesNearLightThroughItsOwnVectors) {
+TEST(VertexShading, TakesNearLightThroughItsOwnVectors) {
   Pack pack = convexPack();
   const std::vector<Float3> far = someLight(), near = someLight(2), dark(coefficientCount(kOrder));
   const std::vector<Float3> of_far = evaluatePack(pack, far, {}, kEye),
@@ -213,16 +210,16 @@ TEST(PackEvaluator, TakesNearLightThroughItsOwnVectors) {
   const std::vector<Float3> both = evaluatePack(pack, far, near, kEye);
   for (std::size_t v = 0; v < kVertices; ++v) EXPECT_NEAR(both[v][1], of_far[v][1] + of_near[v][1], 1e-5);
 
-  std::vector<float> halved = pack.transfer.vectors.decode();
+  std::vector<float> halved = pack.sh().vectors.decode();
   for (float& value : halved) value /= 2;
-  pack.transfer.near_vectors = exactTable(halved, coefficientCount(kOrder));
+  pack.sh().near_field = {{0, 0, 0}, 1, exactTable(halved, coefficientCount(kOrder))};
   const std::vector<Float3> near_only = evaluatePack(pack, dark, near, kEye);
   for (std::size_t v = 0; v < kVertices; ++v) EXPECT_NEAR(near_only[v][1], of_near[v][1] / 2, 1e-5);
 }
 
-TEST(PackEvaluator, ReadsOneVectorAColour) {
+TEST(VertexShading, ReadsOneVectorAColour) {
   Pack pack = convexPack();
-  const std::vector<float> single = pack.transfer.vectors.decode();
+  const std::vector<float> single = pack.sh().vectors.decode();
   const std::size_t count = coefficientCount(kOrder);
   std::vector<float> colored;
   for (std::size_t v = 0; v < kVertices; ++v)
@@ -230,20 +227,20 @@ TEST(PackEvaluator, ReadsOneVectorAColour) {
       for (std::size_t i = 0; i < count; ++i)
         colored.push_back(single[v * count + i] * static_cast<float>(c + 1));
   const std::vector<Float3> gray = evaluatePack(pack, someLight(), {}, kEye);
-  pack.transfer.channels = 3;
-  pack.transfer.vectors = exactTable(colored, 3 * count);
+  pack.sh().channels = 3;
+  pack.sh().vectors = exactTable(colored, 3 * count);
   const std::vector<Float3> found = evaluatePack(pack, someLight(), {}, kEye);
   for (std::size_t v = 0; v < kVertices; ++v)
     for (std::size_t c = 0; c < 3; ++c)
       EXPECT_NEAR(found[v][c], gray[v][c] * static_cast<float>(c + 1), 1e-5);
 }
 
-TEST(PackEvaluator, RefusesTablesThatDoNotFit) {
+TEST(VertexShading, RefusesTablesThatDoNotFit) {
   Pack pack = convexPack();
   EXPECT_THROW(evaluatePack(pack, std::vector<Float3>(9), {}, kEye), std::invalid_argument);
-  store(pack, MatrixStorage::kMatrix);
-  pack.transfer.material.model = LobeModel::kPhong;
-  pack.transfer.tangents.pop_back();
+  store(pack, Storage::kMatrix);
+  reflectionOf(pack) = formats::PhongLobe();
+  pack.sh().glossy->tangents.pop_back();
   EXPECT_THROW(evaluatePack(pack, someLight(), {}, kEye), std::invalid_argument);
 }
 

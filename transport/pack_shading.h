@@ -1,0 +1,63 @@
+// How a pack looks under a light and to an eye, asked at points of its surface: the one way in which tools
+// see a pack on the CPU. Where its technique shades (at vertices, texels, pixels) is the technique's own
+// matter.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "formats/pack_contents.h"
+#include "transport/vector_types.h"
+
+namespace bakelight::transport {
+
+// A point of a triangle, by the weights of its second and third vertex.
+struct SurfaceHit {
+  std::uint32_t triangle = 0;
+  float u = 0, v = 0;
+};
+
+// What a technique asks of the light.
+struct LightNeeds {
+  int sh_order = 0;  // bands of its projection into spherical harmonics; 0: none
+  // Where near emitters are seen from (object space); nothing: from the centre of the mesh's bounding sphere.
+  std::optional<Vec3> near_center = {};
+};
+
+class PackShading {
+ public:
+  virtual ~PackShading() = default;
+
+  virtual LightNeeds needs() const = 0;
+  // Light change: `distant` in the object's frame, at least sh_order² coefficients; `near`, empty or as many,
+  // is what `near_center` sees of near emitters. Throws std::invalid_argument for fewer.
+  virtual void setLight(std::span<const Float3> distant, std::span<const Float3> near) = 0;
+  // View change, or after a light change: the eye in object space.
+  virtual void setView(const Vec3& eye) = 0;
+  // Exit radiance of each hit towards the eye; black before the first setLight. From several threads at once.
+  virtual void radianceAt(std::span<const SurfaceHit> hits, std::span<Float3> radiance) const = 0;
+};
+
+// A technique: which packs it shades, and how. The pack may go after `make`.
+struct ShadingTechnique {
+  const char* name;
+  bool (*shades)(const formats::Pack& pack);
+  std::unique_ptr<PackShading> (*make)(const formats::Pack& pack);
+};
+// The list; the last that shades a pack is taken. A technique of a program's own is added at its start.
+std::vector<ShadingTechnique>& shadingTechniques();
+
+// Throws std::invalid_argument if no technique shades the pack, or its parts do not fit its mesh.
+std::unique_ptr<PackShading> makePackShading(const formats::Pack& pack);
+
+// Radiance of hits, for renderers: of a pack, or interpolated between the vertices of triangles.
+using RadianceAtHits = std::function<void(std::span<const SurfaceHit>, std::span<Float3>)>;
+RadianceAtHits radianceOf(const PackShading& shading);
+// Both spans must outlive the result.
+RadianceAtHits interpolated(std::span<const formats::Triangle> triangles,
+                            std::span<const Float3> vertex_radiance);
+
+}  // namespace bakelight::transport
