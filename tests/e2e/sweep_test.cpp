@@ -83,10 +83,12 @@ TEST_F(Sweep, ErrorOfTheReportCatchesABrokenDiffuseTransfer) {
 }
 
 TEST_F(Sweep, ErrorOfTheReportCatchesTurnedFramesOfGlossyTransfer) {
-  writeAsset(twoBodies(), {{"recipe", "glossy"},
-                           {"stages",
-                            {{"transfer", {{"storage", "matrix"}, {"albedo", {0.05, 0.05, 0.05}}}},
-                             {"pack", {{"specular_color", {0.9, 0.9, 0.9}}, {"roughness", 0.7}}}}}});
+  writeAsset(twoBodies(),
+             {{"recipe", "glossy"},
+              {"material",
+               {{"albedo", {0.05, 0.05, 0.05}},
+                {"reflection", {{"model", "ggx"}, {"specular_color", {0.9, 0.9, 0.9}}, {"roughness", 0.7}}}}},
+              {"stages", {{"transfer", {{"storage", "matrix"}}}}}});
   const double good = errorWith(kBin);
   EXPECT_LT(good, 0.2);
   EXPECT_GT(errorWithBroken("turned_frames"), 1.5 * good);
@@ -124,10 +126,10 @@ TEST_F(Sweep, BodiesThatShadeEachOtherKeepTheirRays) {
   EXPECT_FALSE(transfer.contains("left_out"));
 }
 
-TEST_F(Sweep, AlbedoIsThatOfTheTransferWithBouncesOrWithout) {
+TEST_F(Sweep, AlbedoIsThatOfTheMaterialWithBouncesOrWithout) {
   for (const char* transport : {"shadowed", "interreflected"}) {
-    writeAsset(twoBodies(),
-               {{"stages", {{"transfer", {{"transport", transport}, {"albedo", {0.25, 0.5, 0.125}}}}}}});
+    writeAsset(twoBodies(), {{"material", {{"albedo", {0.25, 0.5, 0.125}}}},
+                             {"stages", {{"transfer", {{"transport", transport}}}}}});
     const ShellOutcome ran = bakelight("run", "--deliver pack");
     ASSERT_EQ(ran.status, 0) << ran.output;
     EXPECT_EQ(formats::readPack(folder_ / "out/bodies/bodies.glb").base_color, (Float3{0.25F, 0.5F, 0.125F}))

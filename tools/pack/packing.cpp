@@ -1,8 +1,8 @@
 #include "tools/pack/packing.h"
 
 #include <cmath>
-#include <cstring>
 #include <utility>
+#include <variant>
 
 #include "formats/error.h"
 #include "formats/mesh_ply.h"
@@ -25,16 +25,10 @@ void requireSameMesh(const TensorSource& source, const formats::TriangleMesh& me
   throw source.error("metadata mesh_hash", "the transfer was baked for another mesh than " + mesh_file, hash);
 }
 
-// The albedo that interreflection was baked with, one for all or one a vertex; else the mesh's colours, else
-// what the pack has already.
-void takeAlbedo(const TensorSource& source, formats::Pack& pack) {
-  auto mesh_colors = std::exchange(pack.mesh.colors, {});  // a pack has them outside of its mesh
-  if (!source.has("albedo")) {
-    if (mesh_colors.empty()) return;
-    pack.base_color = {1, 1, 1};
-    pack.colors = std::move(mesh_colors);
-    return;
-  }
+// That light was baked to bounce off the albedo that is shown, one for all or one a vertex.
+void requireSameAlbedo(const TensorSource& source, const formats::Pack& pack,
+                       const formats::SurfaceMaterials& material) {
+  if (!source.has("albedo")) return;
   const Tensor& tensor = source.tensor("albedo", 2);
   const std::uint64_t rows = tensor.shape[0], vertices = pack.mesh.vertexCount();
   if ((rows != 1 && rows != vertices) || tensor.shape[1] != 3) {
@@ -42,77 +36,68 @@ void takeAlbedo(const TensorSource& source, formats::Pack& pack) {
                        "1 × 3 or " + std::to_string(vertices) + " × 3, red, green and blue");
   }
   const auto values = tensor.as<float>();
-  if (rows == 1) {
-    pack.base_color = {values[0], values[1], values[2]};
-    return;
-  }
-  pack.base_color = {1, 1, 1};
-  pack.colors.resize(vertices);
-  std::memcpy(pack.colors.data(), values.data(), values.size_bytes());
+  const auto shown = [&](std::size_t vertex, std::size_t c) {
+    return material.vertex_albedo.empty() ? material.albedo[c] : material.vertex_albedo[vertex][c];
+  };
+  for (std::size_t vertex = 0; vertex < vertices; ++vertex)
+    for (std::size_t c = 0; c < 3; ++c)
+      if (values[(rows == 1 ? 0 : 3 * vertex) + c] != shown(vertex, c))
+        throw source.error("tensor albedo", "the transfer was baked with another albedo than the material's",
+                           "one material for both");
 }
 
-formats::BrdfTable brdfTable(const TensorFile& tensors, const std::string& file, int row_order) {
-  const TensorSource source(tensors, file, "make it with the brdf tool of this version");
-  source.requireText("basis", "real_sh_cartesian");
-  source.requireText("frame", "local");
-  source.requireText("cosine", "inside");
-  formats::BrdfTable table;
-  table.order = source.order("order");
-  if (table.order < row_order) {
-    throw source.error("metadata order", "it has fewer bands than the transferred radiance",
-                       std::to_string(row_order) + " or more");
-  }
-  const std::uint64_t angles = source.tensor("brdf", 3).shape[0];
-  const auto values =
-      source.tensor("brdf", {angles, 3, squared(table.order)}, "angles × red, green, blue × order²")
-          .as<float>();
-  table.angles = static_cast<int>(angles);
-  table.values.assign(values.begin(), values.end());
+void takeAlbedo(const formats::SurfaceMaterials& material, formats::Pack& pack) {
+  pack.mesh.colors.clear();  // a pack has them outside of its mesh
+  pack.base_color = material.vertex_albedo.empty() ? material.albedo : formats::Float3{1, 1, 1};
+  pack.colors = material.vertex_albedo;
+}
+
+constexpr const char* kTable = "table";
+constexpr const char* kNone = "none";
+
+formats::BrdfTable tableFor(const formats::Reflection& reflection, int row_order, const TensorFile* brdf,
+                            const SourceNames& files) {
+  const auto* own = std::get_if<formats::TableReflection>(&reflection);
+  if (brdf == nullptr && own == nullptr)
+    throw badInput({"", "", "/brdf"}, "a table needs a projected BRDF", "a file of the brdf tool",
+                   "give it as input brdf");
+  const std::string file = brdf != nullptr ? files.brdf : own->file.string();
+  formats::BrdfTable table = brdf != nullptr ? formats::brdfTableFrom(*brdf, file) : own->table;
+  if (table.order < row_order)
+    throw badInput({file, "metadata order", ""}, "it has fewer bands than the transferred radiance",
+                   std::to_string(row_order) + " or more", "make it with the brdf tool of this version");
   return table;
 }
 
-LobeModel lobeNamed(const std::string& name) {
-  for (const auto model : {LobeModel::kNone, LobeModel::kPhong, LobeModel::kGgx, LobeModel::kTable}) {
-    if (name == nameOf(model)) return model;
-  }
-  throw badInput({"", "", "/lobe"}, "there is no lobe '" + name + "'", "none, phong, ggx or table");
+formats::GlossyMaterial reflectionFor(int row_order, const PackingOptions& options, const TensorFile* brdf,
+                                      const SourceNames& files) {
+  if (options.reflection == kNone) return {};
+  const formats::Reflection* const reflection = options.material.only();
+  if (reflection == nullptr)
+    throw badInput({files.material, "", "/materials"},
+                   "its materials reflect differently, and a pack holds one reflection",
+                   "the same reflection for all; albedos may differ");
+  if (options.reflection != kTable && !std::holds_alternative<formats::TableReflection>(*reflection))
+    return runtimeLobe(*reflection);
+  formats::GlossyMaterial material;
+  material.model = LobeModel::kTable;
+  material.table = tableFor(*reflection, row_order, brdf, files);
+  return material;
 }
 
-void checkCombination(LobeModel lobe, MatrixStorage storage, bool has_brdf, const SourceNames& files) {
+void checkCombination(LobeModel lobe, MatrixStorage storage, const SourceNames& files) {
   if (lobe != LobeModel::kNone && storage == MatrixStorage::kNone) {
-    throw badInput({files.transfer, "", "/lobe"}, "a lobe needs matrices, but this transfer is diffuse",
-                   "none with diffuse transfer",
-                   "bake with the transfer tool's technique glossy, or set lobe to none");
+    throw badInput({files.transfer, "", "/reflection"},
+                   "a glossy reflection needs matrices, but this transfer is diffuse",
+                   "a material without one, or reflection none",
+                   "bake with the transfer tool's technique glossy, as the recipe glossy does");
   }
   if (lobe == LobeModel::kNone && storage != MatrixStorage::kNone) {
-    throw badInput({files.transfer, "", "/lobe"},
-                   "this transfer is glossy, but without a lobe its matrices would never be used",
-                   "phong, ggx or table", "set lobe, or bake with the transfer tool's technique diffuse");
+    throw badInput({files.transfer, "", "/reflection"},
+                   "this transfer is glossy, but without a reflection its matrices would never be used",
+                   "a material with a reflection",
+                   "give it one, or bake with the transfer tool's technique diffuse");
   }
-  if (lobe == LobeModel::kTable && !has_brdf) {
-    throw badInput({"", "", "/brdf"}, "lobe table needs a projected BRDF", "a file of the brdf tool",
-                   "give it as input brdf");
-  }
-  if (lobe != LobeModel::kTable && has_brdf) {
-    throw badInput({files.brdf, "", "/brdf"},
-                   std::string("a BRDF table is of no use to lobe ") + nameOf(lobe), "lobe table",
-                   "set lobe to table, or leave out the input brdf");
-  }
-}
-
-formats::GlossyMaterial materialOf(LobeModel lobe, int row_order, const PackingOptions& options,
-                                   const TensorFile* brdf, const std::string& brdf_file) {
-  formats::GlossyMaterial material;
-  material.model = lobe;
-  if (lobe == LobeModel::kNone) return material;
-  if (lobe == LobeModel::kTable) {
-    material.table = brdfTable(*brdf, brdf_file, row_order);
-    return material;
-  }
-  material.specular_color = options.specular_color;
-  if (lobe == LobeModel::kPhong) material.exponent = static_cast<float>(options.exponent);
-  if (lobe == LobeModel::kGgx) material.roughness = static_cast<float>(options.roughness);
-  return material;
 }
 
 void checkBits(int bits, int least, const char* pointer) {
@@ -134,9 +119,8 @@ double relativeError(const EncodedTable& table, std::span<const float> original)
 
 }  // namespace
 
-const std::vector<std::string>& lobeNames() {
-  static const std::vector<std::string> names = {nameOf(LobeModel::kNone), nameOf(LobeModel::kPhong),
-                                                 nameOf(LobeModel::kGgx), nameOf(LobeModel::kTable)};
+const std::vector<std::string>& reflectionNames() {
+  static const std::vector<std::string> names = {"lobe", kTable, kNone};
   return names;
 }
 
@@ -144,13 +128,13 @@ formats::Pack assemblePack(formats::TriangleMesh mesh, const TensorFile& transfe
                            const PackingOptions& options, const SourceNames& files) {
   const TensorSource source(transfer, files.transfer,
                             "bake it again, for this mesh and by the transfer tool of this version");
-  formats::Pack pack{options.name, std::move(mesh), options.albedo, {}, {}};
+  formats::Pack pack{options.name, std::move(mesh), {}, {}, {}};
   pack.transfer = readTransfer(source, pack.mesh.vertexCount(), options.precision);
   requireSameMesh(source, pack.mesh, files.mesh);
-  takeAlbedo(source, pack);
-  const LobeModel lobe = lobeNamed(options.lobe);
-  checkCombination(lobe, pack.transfer.storage, brdf != nullptr, files);
-  pack.transfer.material = materialOf(lobe, pack.transfer.row_order, options, brdf, files.brdf);
+  requireSameAlbedo(source, pack, options.material);
+  takeAlbedo(options.material, pack);
+  pack.transfer.material = reflectionFor(pack.transfer.row_order, options, brdf, files);
+  checkCombination(pack.transfer.material.model, pack.transfer.storage, files);
   return pack;
 }
 

@@ -45,9 +45,7 @@ void report(const formats::Pack& pack, const formats::TensorFile& transfer, std:
   }
   run.stat("bytes_per_vertex", std::move(per_vertex));
   run.stat("storage", nameOf(pack.transfer.storage));
-  run.stat("albedo_source", transfer.tensors.contains("albedo") ? "transfer"
-                            : pack.colors.empty()               ? "parameter"
-                                                                : "mesh");
+  run.stat("albedo_source", pack.colors.empty() ? "material" : "vertices");
   if (pack.transfer.storage != formats::MatrixStorage::kNone) {
     run.stat("precision_error", precisionErrors(pack, transfer));
   }

@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include "formats/error.h"
-#include "tools/report/text.h"
 #include "transport/color.h"
 #include "transport/sh.h"
 
@@ -62,20 +61,6 @@ formats::Image displayed(const Picture& picture, double exposure) {
       display.values[i] =
           static_cast<float>(transport::displayCode(display.values[i] * static_cast<float>(exposure))) / 255;
   return display;
-}
-
-// What every variant of one scene has alike, whatever its mesh and tables.
-std::string appearanceOf(const formats::Pack& pack) {
-  const auto textOf = [](const formats::Float3& color) {
-    return numberText(color[0]) + ' ' + numberText(color[1]) + ' ' + numberText(color[2]);
-  };
-  const formats::GlossyMaterial& material = pack.transfer.material;
-  std::string text = "the base colour " + textOf(pack.base_color) + " and the lobe " + nameOf(material.model);
-  if (material.model == formats::LobeModel::kPhong || material.model == formats::LobeModel::kGgx)
-    text += " of the specular colour " + textOf(material.specular_color) + " and the " +
-            (material.model == formats::LobeModel::kGgx ? "roughness " + numberText(material.roughness)
-                                                        : "exponent " + numberText(material.exponent));
-  return text;
 }
 
 std::vector<std::size_t> frontOf(const std::vector<VariantFigures>& variants,
@@ -223,15 +208,9 @@ void Evaluator::measureTimes(int rounds, Evaluation& evaluation, const std::func
   };
   std::vector<std::unique_ptr<Candidate>> candidates;
   std::vector<Measurement> measurements;
-  std::string first_scene;
   for (std::size_t v = 0; v < variants.size(); ++v) {
     const formats::Pack pack = sources_.pack(plan_.variants[v].pack.path);
     variants[v].vertices = pack.mesh.vertexCount();
-    if (v == 0) first_scene = appearanceOf(pack);
-    if (appearanceOf(pack) != first_scene)
-      evaluation.warnings.push_back("the variant " + plan_.variants[v].name + " has " + appearanceOf(pack) +
-                                    ", where " + plan_.variants[0].name + " has " + first_scene +
-                                    ": they cannot both show the scene of the references");
     candidates.push_back(std::make_unique<Candidate>(
         Candidate{transport::PackEvaluator(pack), renderer_->conditions(pack, 0), pack.transfer.order}));
     measurements.push_back([candidate = candidates.back().get()](int round) {

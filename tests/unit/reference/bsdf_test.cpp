@@ -18,12 +18,10 @@ using reference::Integrator;
 
 constexpr double kPi = std::numbers::pi;
 
-formats::GlossyMaterial lobeMaterial(formats::LobeModel model, float parameter, float specular = 0.8f) {
-  formats::GlossyMaterial material;
-  material.model = model;
-  material.exponent = material.roughness = parameter;
-  material.specular_color = {specular, specular, specular};
-  return material;
+formats::Reflection lobe(formats::LobeModel model, float parameter, float specular = 0.8f) {
+  const Float3 color = {specular, specular, specular};
+  if (model == formats::LobeModel::kPhong) return formats::PhongReflection{color, parameter};
+  return formats::GgxReflection{color, parameter};
 }
 
 struct LobeCase {
@@ -94,17 +92,16 @@ Vec3 eyeAt(double angle) {
 class UniformSky : public testing::TestWithParam<std::tuple<LobeCase, Integrator>> {};
 
 TEST_P(UniformSky, LobeGivesItsColourTimesItsShareAboveTheSurface) {
-  const auto& [lobe, integrator] = GetParam();
-  formats::Pack pack = packOf(floorSquare(1), 0.3f);
-  pack.transfer.material = lobeMaterial(lobe.model, lobe.parameter);
-  const Scene scene = sceneOf(pack, uniformRig());
+  const auto& [shape, integrator] = GetParam();
+  const Scene scene =
+      sceneOf(surfaceOf(floorSquare(1), 0.3f, lobe(shape.model, shape.parameter)), uniformRig());
   transport::Hit hit;
   hit.valid = true;
   hit.u = hit.v = 0.25f;
   const ShadingPoint point = scene.pointAt(hit);
   double before = 10;
   for (const double angle : {0.0, 0.7, 1.4}) {
-    const Bsdf bsdf(scene.material(), point.albedo, point.normal, eyeAt(angle), true);
+    const Bsdf bsdf(scene.material(0), point.albedo, point.normal, eyeAt(angle), true);
     const double expected = underUniformSky(bsdf);
     if (angle == 0) {
       EXPECT_NEAR(expected, 0.3 + 0.8, 0.002);  // the whole lobe is above
@@ -125,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(Lobes, UniformSky,
                                           testing::Values(Integrator::kMis, Integrator::kUniform)));
 
 TEST(Bsdf, SamplesIntegrateToOneAndKnowTheirDensity) {
-  const Material material(lobeMaterial(formats::LobeModel::kGgx, 0.5f, 0.4f));
+  const Material material(formats::runtimeLobe(lobe(formats::LobeModel::kGgx, 0.5f, 0.4f)));
   const Vec3 normal = Vec3(1, 2, -0.5).normalized(), outgoing = Vec3(0.3, 1, 0.4).normalized();
   const Bsdf bsdf(material, Rgb(0.2, 0.5, 0.7), normal, outgoing, true);
   double density = 0, reflectance = 0;
@@ -166,9 +163,8 @@ formats::LightRig coarseImageRig() {
 }
 
 TEST(Mirror, ShowsExactlyWhatItSees) {
-  formats::Pack pack = packOf(floorSquare(1), 0);
-  pack.transfer.material = lobeMaterial(formats::LobeModel::kGgx, 0, 0.5f);
-  const Scene scene = sceneOf(pack, coarseImageRig());
+  const Scene scene =
+      sceneOf(surfaceOf(floorSquare(1), 0, lobe(formats::LobeModel::kGgx, 0, 0.5f)), coarseImageRig());
   transport::Hit hit;
   hit.valid = true;
   hit.u = hit.v = 0.25f;
@@ -190,9 +186,8 @@ TEST(Mirror, ShowsExactlyWhatItSees) {
 
 // Diffuse part and mirror of one surface add up.
 TEST(Mirror, AddsToTheDiffusePart) {
-  formats::Pack pack = packOf(floorSquare(1), 0.4f);
-  pack.transfer.material = lobeMaterial(formats::LobeModel::kGgx, 0, 0.5f);
-  const Scene scene = sceneOf(pack, uniformRig());
+  const Scene scene =
+      sceneOf(surfaceOf(floorSquare(1), 0.4f, lobe(formats::LobeModel::kGgx, 0, 0.5f)), uniformRig());
   const ShadingPoint point = scene.pointAtVertex(0);
   for (const auto integrator : {Integrator::kMis, Integrator::kUniform}) {
     const auto means = estimate(scene, {.integrator = integrator}, point, eyeAt(0.5), 256);
@@ -204,14 +199,13 @@ TEST(Mirror, AddsToTheDiffusePart) {
 // Bounces off another surface count a lobe in full transport only.
 TEST(Transport, InterreflectedLeavesLobesOfLaterBouncesOut) {
   // A mirror floor, and a mirror wall behind it that a floor's mirror shows.
-  formats::Pack pack = packOf(floorSquare(2), 0);
+  Surface surface = surfaceOf(floorSquare(2), 0, lobe(formats::LobeModel::kGgx, 0, 0.5f));
   TriangleMesh wall = floorSquare(2);
   for (auto& position : wall.positions) position = {-1, position[0] + 2, position[2]};
   for (auto& normal : wall.normals) normal = {1, 0, 0};
   for (auto& triangle : wall.triangles) std::swap(triangle[1], triangle[2]);
-  append(pack.mesh, wall);
-  pack.transfer.material = lobeMaterial(formats::LobeModel::kGgx, 0, 0.5f);
-  const Scene scene = sceneOf(pack, uniformRig());
+  append(surface.mesh, wall);
+  const Scene scene = sceneOf(surface, uniformRig());
   const ShadingPoint point{Vec3(0, 1e-4, 0), Vec3::UnitY(), Rgb::Zero()};
   const Vec3 outgoing = Vec3(1, 1, 0).normalized();  // reflected towards the wall
   EXPECT_NEAR(estimate(scene, {}, point, outgoing, 4).luminance(), 0.25, 1e-9);
@@ -223,9 +217,7 @@ TEST(Transport, InterreflectedLeavesLobesOfLaterBouncesOut) {
 
 // A table's value is its SH expansion, as tableRows has it, over the hemisphere above the surface.
 TEST(Table, IsItsExpansion) {
-  formats::Pack pack = packOf(floorSquare(1), 0.2f);
-  formats::BrdfTable& table = pack.transfer.material.table;
-  pack.transfer.material.model = formats::LobeModel::kTable;
+  formats::BrdfTable table;
   table.angles = 3;
   table.order = 4;
   for (int angle = 0; angle < table.angles; ++angle)
@@ -234,7 +226,8 @@ TEST(Table, IsItsExpansion) {
         for (int m = -l; m <= l; ++m)
           table.values.push_back(
               m < 0 ? 0.0f : 0.3f / static_cast<float>(1 + l + m) + 0.05f * static_cast<float>(angle + c));
-  const Scene scene = sceneOf(pack, uniformRig());
+  const Scene scene =
+      sceneOf(surfaceOf(floorSquare(1), 0.2f, formats::TableReflection{"", table}), uniformRig());
   const ShadingPoint point = scene.pointAtVertex(1);
   const auto directions = transport::sphereDirections(100000);
   for (const double angle : {0.2, 1.1}) {
