@@ -64,5 +64,6 @@ int main(int argc, char** argv) {
     const formats::Bytes bytes = formats::encodePack(pack, file_options, pack_path.string());
     formats::writeFileAtomically(pack_path, bytes);
     packing::report(pack, transfer, bytes, pack_path.string(), run);
+    packing::warnOfLobe(pack, options.material, run);
   });
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <variant>
 
 #include "tools/pack/packing.h"
 
@@ -29,7 +30,21 @@ bool reflectsTooMuch(const formats::Pack& pack) {
   return false;
 }
 
+bool lobeLeavesOut(const formats::SurfaceMaterials& material) {
+  return std::any_of(material.reflections.begin(), material.reflections.end(), [](const auto& reflection) {
+    const auto* ggx = std::get_if<formats::GgxReflection>(&reflection);
+    return ggx != nullptr && (ggx->fresnel || ggx->multiple_scattering);
+  });
+}
+
 }  // namespace
+
+void warnOfLobe(const formats::Pack& pack, const formats::SurfaceMaterials& material, stage::Run& run) {
+  if (pack.transfer.material.model == formats::LobeModel::kGgx && lobeLeavesOut(material))
+    run.warn(
+        "a lobe has neither Fresnel's term nor multiple scattering, which the material has; reflection "
+        "table has both");
+}
 
 void report(const formats::Pack& pack, const formats::TensorFile& transfer, std::span<const std::byte> bytes,
             const std::string& file, stage::Run& run) {

@@ -12,8 +12,10 @@
 using namespace bakelight;
 
 int main(int argc, char** argv) {
-  std::filesystem::path mesh_path, material_path, environment_path, lights_path, framing_path, image_path;
-  std::string background = "environment", transport_name = "full", integrator = "mis", at = "pixels";
+  std::filesystem::path mesh_path, material_path, brdf_path, environment_path, lights_path, framing_path,
+      image_path;
+  std::string background = "environment", transport_name = "full", integrator = "mis", at = "pixels",
+              model = "physical";
   reference::Options options;
 
   stage::Tool tool("reference",
@@ -21,6 +23,7 @@ int main(int argc, char** argv) {
   tool.input("mesh", "mesh", mesh_path, "PLY mesh with normals, as simplify writes it")
       .input("material", "material", material_path,
              "what it is made of; without it: its colours, or grey, and no glossy reflection", false)
+      .input("brdf", "tensors", brdf_path, "with reflection table: file of the brdf tool", false)
       .input("environment", "image", environment_path,
              "lat-long HDR light; without it and lights: a soft key light", false)
       .input("lights", "light_rig", lights_path, "light rig: distant lights and emitters; adds up", false)
@@ -29,7 +32,9 @@ int main(int argc, char** argv) {
       .output("image", "image", image_path,
               "EXR, 32-bit floats: R, G, B, A (linear, premultiplied) and variance.R, .G, .B of the means");
   stage::declareFrame(tool, options.frame, background);
-  tool.parameter("transport", transport_name, reference::transportNames(),
+  tool.parameter("reflection", model, reference::reflectionModelNames(),
+                 "physical: ggx by microfacets; lobe, table, none: as a pack's parameter of that name says")
+      .parameter("transport", transport_name, reference::transportNames(),
                  "interreflected: bounces are diffuse, as in a bake; shadowed and unshadowed: direct light")
       .parameter("bounces", options.paths.bounces, {0, 1000}, "",
                  "most reflections between surfaces; 0 is no limit")
@@ -62,6 +67,9 @@ int main(int argc, char** argv) {
     for (const std::string& note : formats::notesOn(rig)) run.warn(note);
     reference::Surface surface{formats::readPly(mesh_path), {}};
     transport::requireTraceableScale(surface.mesh, mesh_path.string());
+    surface.model =
+        static_cast<reference::ReflectionModel>(indexOf(reference::reflectionModelNames(), model));
+    if (!brdf_path.empty()) surface.table = formats::readBrdfTable(brdf_path);
     surface.material = formats::materialsOn(surface.mesh, formats::readMaterialsOrDefault(material_path),
                                             mesh_path.string(), material_path.string());
     const reference::Reference result =

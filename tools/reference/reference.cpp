@@ -43,7 +43,8 @@ transport::Backdrop backdropOf(const formats::LightRig& rig, const formats::Fram
   };
 }
 
-std::map<std::string, std::string> metadataOf(const Options& options, const transport::OrbitCamera& camera,
+std::map<std::string, std::string> metadataOf(const Options& options, ReflectionModel model,
+                                              const transport::OrbitCamera& camera,
                                               const BoundingSphere& bounds, const RoundsReport& report) {
   const auto word = [](const std::vector<std::string>& names, auto value) {
     return names[static_cast<std::size_t>(value)];
@@ -54,6 +55,7 @@ std::map<std::string, std::string> metadataOf(const Options& options, const tran
           {"bakelight:fov_deg", text(camera.field_of_view_deg)},
           {"bakelight:bounds", text(bounds.center) + " " + text(bounds.radius)},
           {"bakelight:transport", word(transportNames(), options.paths.transport)},
+          {"bakelight:reflection", word(reflectionModelNames(), model)},
           {"bakelight:bounces", std::to_string(options.paths.bounces)},
           {"bakelight:integrator", word(integratorNames(), options.paths.integrator)},
           {"bakelight:at", word(atNames(), options.at)},
@@ -87,7 +89,7 @@ Reference makeReference(const Surface& surface, const formats::LightRig& rig, co
   const auto trace = options.at == At::kPixels ? tracePixels : traceVertices;
   Reference reference{
       trace(scene, tracer, view, options.effort, static_cast<std::uint64_t>(options.seed), progress), {}};
-  reference.metadata = metadataOf(options, view.camera, framed, reference.picture.report);
+  reference.metadata = metadataOf(options, surface.model, view.camera, framed, reference.picture.report);
   return reference;
 }
 

@@ -50,10 +50,10 @@ TriangleMesh joined(const TriangleMesh& mesh, const TriangleMesh& other) {
   return whole;
 }
 
-std::vector<Material> materialsOf(const formats::SurfaceMaterials& surface) {
-  std::vector<Material> materials;
-  for (const formats::Reflection& reflection : surface.reflections)
-    materials.emplace_back(formats::runtimeLobe(reflection));
+std::vector<Glossy> materialsOf(const Surface& surface) {
+  std::vector<Glossy> materials;
+  for (const formats::Reflection& reflection : surface.material.reflections)
+    materials.push_back(glossyOf(reflection, surface.model, surface.table));
   return materials;
 }
 
@@ -78,7 +78,7 @@ Scene::Scene(const Surface& surface, const formats::LightRig& rig, const formats
       vertex_origins_(frontOrigins(mesh_)),
       albedo_(vec3(surface.material.albedo)),
       vertex_albedo_(surface.material.vertex_albedo),
-      materials_(materialsOf(surface.material)),
+      materials_(materialsOf(surface)),
       material_of_triangle_(surface.material.of_triangle),
       material_of_vertex_(materialOfVertices(surface)),
       distant_(rig, transport::worldFromLight(frame)),

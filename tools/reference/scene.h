@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,6 +29,8 @@ struct ShadingPoint {
 struct Surface {
   formats::TriangleMesh mesh;          // with normals; its own colours are not looked at
   formats::SurfaceMaterials material;  // of this mesh
+  ReflectionModel model = ReflectionModel::kPhysical;
+  std::optional<formats::BrdfTable> table = {};  // with kTable
 };
 
 class Scene {
@@ -41,7 +44,7 @@ class Scene {
   const formats::TriangleMesh& mesh() const { return mesh_; }  // in the world
   // The same and the emitters after it: positions and triangles that rays meet.
   const formats::TriangleMesh& rayMesh() const { return ray_mesh_; }
-  const Material& material(std::uint32_t number) const { return materials_[number]; }
+  const Glossy& material(std::uint32_t number) const { return materials_[number]; }
   const transport::DistantLightSampler& distantLight() const { return distant_; }
   const EmitterSampler& emitters() const { return emitters_; }
 
@@ -72,7 +75,7 @@ class Scene {
   std::vector<transport::Float3> vertex_origins_;
   Rgb albedo_;
   std::vector<transport::Float3> vertex_albedo_;
-  std::vector<Material> materials_;
+  std::vector<Glossy> materials_;
   std::vector<std::uint32_t> material_of_triangle_, material_of_vertex_;  // empty: all have the first
   transport::DistantLightSampler distant_;
   EmitterSampler emitters_;

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
     const formats::TriangleMesh mesh = transfer::readBakeableMesh(mesh_path);
     const formats::SurfaceMaterials surface = formats::materialsOn(
         mesh, formats::readMaterialsOrDefault(material_path), mesh_path.string(), material_path.string());
+    if (surface.replaces_colors) run.warn("the material's albedo stands in place of the mesh's colours");
     std::vector<formats::Float3> albedo = surface.vertex_albedo;
     // Without bounces a uniform albedo stays outside, and pack is free to choose it.
     if (albedo.empty() && options.transport == transfer::Transport::kInterreflected)

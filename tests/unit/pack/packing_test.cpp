@@ -402,5 +402,21 @@ TEST(Report, SaysWhatEachSectionCostsAndWarnsOfTooMuchLight) {
   ASSERT_EQ(run.warnings().size(), 1U);
 }
 
+TEST(Report, WarnsOfALobeThatLeavesOutWhatTheMaterialHas) {
+  for (const auto& [reflection, warnings] : {std::pair{formats::GgxReflection{.fresnel = true}, 1U},
+                                             {formats::GgxReflection{.multiple_scattering = true}, 1U},
+                                             {formats::GgxReflection{}, 0U}}) {
+    stage::Run run(1, stage::ProgressStyle::kNone);
+    const PackingOptions options = withReflection(reflection);
+    warnOfLobe(assemble(glossyTransfer("matrix"), options), options.material, run);
+    EXPECT_EQ(run.warnings().size(), warnings);
+    PackingOptions table = options;
+    table.reflection = "table";
+    const TensorFile brdf = brdfOfOrder(3);
+    warnOfLobe(assemble(glossyTransfer("matrix"), table, &brdf), table.material, run);
+    EXPECT_EQ(run.warnings().size(), warnings) << "the table has it";
+  }
+}
+
 }  // namespace
 }  // namespace bakelight::packing

@@ -94,14 +94,15 @@ class UniformSky : public testing::TestWithParam<std::tuple<LobeCase, Integrator
 TEST_P(UniformSky, LobeGivesItsColourTimesItsShareAboveTheSurface) {
   const auto& [shape, integrator] = GetParam();
   const Scene scene =
-      sceneOf(surfaceOf(floorSquare(1), 0.3f, lobe(shape.model, shape.parameter)), uniformRig());
+      sceneOf(surfaceOf(floorSquare(1), 0.3f, lobe(shape.model, shape.parameter), ReflectionModel::kLobe),
+              uniformRig());
   transport::Hit hit;
   hit.valid = true;
   hit.u = hit.v = 0.25f;
   const ShadingPoint point = scene.pointAt(hit);
   double before = 10;
   for (const double angle : {0.0, 0.7, 1.4}) {
-    const Bsdf bsdf(scene.material(0), point.albedo, point.normal, eyeAt(angle), true);
+    const Bsdf bsdf(&scene.material(0), point.albedo, point.normal, eyeAt(angle));
     const double expected = underUniformSky(bsdf);
     if (angle == 0) {
       EXPECT_NEAR(expected, 0.3 + 0.8, 0.002);  // the whole lobe is above
@@ -121,10 +122,14 @@ INSTANTIATE_TEST_SUITE_P(Lobes, UniformSky,
                                                           LobeCase{formats::LobeModel::kGgx, 0.8f}),
                                           testing::Values(Integrator::kMis, Integrator::kUniform)));
 
-TEST(Bsdf, SamplesIntegrateToOneAndKnowTheirDensity) {
-  const Material material(formats::runtimeLobe(lobe(formats::LobeModel::kGgx, 0.5f, 0.4f)));
+class Sampled : public testing::TestWithParam<ReflectionModel> {};
+
+TEST_P(Sampled, IntegratesToOneAndKnowsItsDensity) {
+  // Rough facets that scatter several times, for the physical one.
+  const formats::GgxReflection ggx{{0.4F, 0.4F, 0.4F}, 0.5, true, true};
+  const Glossy material = glossyOf(ggx, GetParam(), {});
   const Vec3 normal = Vec3(1, 2, -0.5).normalized(), outgoing = Vec3(0.3, 1, 0.4).normalized();
-  const Bsdf bsdf(material, Rgb(0.2, 0.5, 0.7), normal, outgoing, true);
+  const Bsdf bsdf(&material, Rgb(0.2, 0.5, 0.7), normal, outgoing);
   double density = 0, reflectance = 0;
   const auto directions = transport::sphereDirections(200000);
   for (const Vec3& direction : directions) {
@@ -151,6 +156,67 @@ TEST(Bsdf, SamplesIntegrateToOneAndKnowTheirDensity) {
   EXPECT_GT(below, 0);
 }
 
+INSTANTIATE_TEST_SUITE_P(Models, Sampled,
+                         testing::Values(ReflectionModel::kLobe, ReflectionModel::kPhysical));
+
+// Both ways to take the integral, by directions that know the facets and by some that do not.
+TEST(Physical, BothIntegratorsAgreeUnderADisk) {
+  for (const double roughness : {0.3, 0.6, 0.9}) {
+    const formats::GgxReflection ggx{{0.7F, 0.5F, 0.3F}, roughness, true, roughness > 0.5};
+    const Scene scene = sceneOf(surfaceOf(floorSquare(1), 0.2F, ggx), diskRig(40, 3, {-0.6F, 1, 0.2F}));
+    const ShadingPoint point = scene.pointAtVertex(0);
+    const Vec3 outgoing = eyeAt(0.7);
+    const auto mis = estimate(scene, {.integrator = Integrator::kMis}, point, outgoing, 512);
+    const auto uniform = estimate(scene, {.integrator = Integrator::kUniform}, point, outgoing, 4096);
+    EXPECT_NEAR(mis.luminance(), uniform.luminance(),
+                3.5 * std::hypot(standardError(mis), standardError(uniform)));
+    EXPECT_LT(standardError(mis), 0.01 * mis.luminance());
+    EXPECT_LT(standardError(uniform), 0.02 * uniform.luminance());
+  }
+}
+
+// White facets, with or without a diffuse ground, under a uniform sky.
+TEST(Physical, FurnaceIsWhiteWithMultipleScatteringAndDarkerWithout) {
+  for (const bool multiple : {false, true}) {
+    const formats::GgxReflection ggx{{1, 1, 1}, 0.9, false, multiple};
+    const Scene scene = sceneOf(surfaceOf(floorSquare(1), 0, ggx), uniformRig());
+    const auto means = estimate(scene, {}, scene.pointAtVertex(0), eyeAt(0.6), 1024);
+    if (multiple) {
+      EXPECT_NEAR(means.luminance(), 1, 3.5 * standardError(means) + 0.002);
+    } else {
+      EXPECT_LT(means.luminance(), 0.9);
+    }
+  }
+}
+
+TEST(Physical, EachFaceHasItsOwnMaterial) {
+  TriangleMesh mesh = floorSquare(1);
+  Surface surface = surfaceOf(flatShaded(mesh), 0, formats::GgxReflection{{0.5F, 0.5F, 0.5F}, 0});
+  surface.material.reflections.push_back(formats::GgxReflection{{0.25F, 0.25F, 0.25F}, 0});
+  surface.material.of_triangle = {0, 1};
+  const Scene scene = sceneOf(surface, uniformRig());
+  for (const std::uint32_t triangle : {0U, 1U}) {
+    transport::Hit hit;
+    hit.valid = true;
+    hit.triangle = triangle;
+    hit.u = hit.v = 0.25F;
+    const double expected = triangle == 0 ? 0.5 : 0.25;
+    EXPECT_NEAR(estimate(scene, {}, scene.pointAt(hit), eyeAt(0.4), 2).luminance(), expected, 1e-9);
+    EXPECT_NEAR(estimate(scene, {}, scene.pointAtVertex(3 * triangle), eyeAt(0.4), 2).luminance(), expected,
+                1e-9);
+  }
+}
+
+TEST(Physical, ATableThatIsAskedForMustBeThere) {
+  EXPECT_THROW(glossyOf(formats::GgxReflection(), ReflectionModel::kTable, {}), Error);
+  EXPECT_TRUE(
+      std::holds_alternative<std::monostate>(glossyOf(formats::GgxReflection(), ReflectionModel::kNone, {})));
+  EXPECT_TRUE(
+      std::holds_alternative<TintedLobe>(glossyOf(formats::GgxReflection(), ReflectionModel::kLobe, {})));
+  EXPECT_TRUE(std::holds_alternative<TintedLobe>(
+      glossyOf(formats::PhongReflection(), ReflectionModel::kPhysical, {})));
+}
+
 // 4 × 2 texels of different colours.
 formats::LightRig coarseImageRig() {
   formats::LightRig rig;
@@ -162,9 +228,13 @@ formats::LightRig coarseImageRig() {
   return rig;
 }
 
-TEST(Mirror, ShowsExactlyWhatItSees) {
+class Mirror : public testing::TestWithParam<ReflectionModel> {};
+INSTANTIATE_TEST_SUITE_P(Models, Mirror, testing::Values(ReflectionModel::kLobe, ReflectionModel::kPhysical));
+
+TEST_P(Mirror, ShowsExactlyWhatItSees) {
+  const ReflectionModel model = GetParam();
   const Scene scene =
-      sceneOf(surfaceOf(floorSquare(1), 0, lobe(formats::LobeModel::kGgx, 0, 0.5f)), coarseImageRig());
+      sceneOf(surfaceOf(floorSquare(1), 0, lobe(formats::LobeModel::kGgx, 0, 0.5f), model), coarseImageRig());
   transport::Hit hit;
   hit.valid = true;
   hit.u = hit.v = 0.25f;
@@ -185,9 +255,10 @@ TEST(Mirror, ShowsExactlyWhatItSees) {
 }
 
 // Diffuse part and mirror of one surface add up.
-TEST(Mirror, AddsToTheDiffusePart) {
+TEST_P(Mirror, AddsToTheDiffusePart) {
+  const ReflectionModel model = GetParam();
   const Scene scene =
-      sceneOf(surfaceOf(floorSquare(1), 0.4f, lobe(formats::LobeModel::kGgx, 0, 0.5f)), uniformRig());
+      sceneOf(surfaceOf(floorSquare(1), 0.4f, lobe(formats::LobeModel::kGgx, 0, 0.5f), model), uniformRig());
   const ShadingPoint point = scene.pointAtVertex(0);
   for (const auto integrator : {Integrator::kMis, Integrator::kUniform}) {
     const auto means = estimate(scene, {.integrator = integrator}, point, eyeAt(0.5), 256);

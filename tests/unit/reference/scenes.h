@@ -11,9 +11,10 @@ namespace bakelight::tests {
 
 using reference::Rgb;
 
-inline reference::Surface surfaceOf(const TriangleMesh& mesh, float albedo,
-                                    const formats::Reflection& reflection = formats::Lambert()) {
-  reference::Surface surface{mesh, {}};
+inline reference::Surface surfaceOf(
+    const TriangleMesh& mesh, float albedo, const formats::Reflection& reflection = formats::Lambert(),
+    reference::ReflectionModel model = reference::ReflectionModel::kPhysical) {
+  reference::Surface surface{mesh, {}, model};
   surface.material.reflections = {reflection};
   surface.material.albedo = {albedo, albedo, albedo};
   return surface;
