@@ -7,9 +7,8 @@
 
 #include "formats/color_picture.h"
 #include "formats/error.h"
-#include "formats/json.h"
+#include "formats/json_members.h"
 #include "formats/mesh_import.h"
-#include "formats/tool_description.h"
 
 namespace bakelight::formats {
 namespace {
@@ -21,112 +20,26 @@ constexpr double kLargestLength = 1e9;
 constexpr double kSmallest = 1e-6;  // where a width, an angle or a period has to be more than nothing
 constexpr double kAutomaticWindow = -1;
 
-struct Range {
-  double minimum, maximum;  // inclusive
-};
+using Range = JsonMembers::Range;
 constexpr Range kRadiance = {0, kLargestRadiance}, kPosition = {-kLargestLength, kLargestLength},
                 kExtent = {kSmallest, kLargestLength}, kTurn = {-360, 360};
 
-ParameterDescription rule(const std::string& name, ParameterType type) {
-  ParameterDescription description;
-  description.name = name;
-  description.type = type;
-  return description;
+bool isZero(const Float3& v) {
+  return v[0] == 0 && v[1] == 0 && v[2] == 0;
 }
 
-ParameterDescription rule(const std::string& name, ParameterType type, Range range) {
-  ParameterDescription description = rule(name, type);
-  description.minimum = range.minimum;
-  description.maximum = range.maximum;
-  return description;
-}
-
-// The members of one JSON object, each asked for by name and judged by the rule that tools' parameters have;
-// what nobody asked for is unknown. A member that is not there leaves its value alone.
-class Members {
+class Members : public JsonMembers {
  public:
-  Members(const Json& object, std::string file, std::string pointer)
-      : object_(object), file_(std::move(file)), pointer_(std::move(pointer)) {
-    if (!object.is_object())
-      throw badInput({file_, "", pointer_}, std::string("is ") + object.type_name(), "a JSON object { ... }");
-  }
+  using JsonMembers::JsonMembers;
 
-  ErrorPlace placeOf(const std::string& name) const { return {file_, "", childPointer(pointer_, name)}; }
-  const std::string& file() const { return file_; }
-
-  // Null if it is not there.
-  const Json* find(const std::string& name) {
-    if (std::find(known_.begin(), known_.end(), name) == known_.end()) known_.push_back(name);
-    const auto found = object_.find(name);
-    return found == object_.end() ? nullptr : &*found;
-  }
-  const Json& require(const std::string& name, const std::string& expected) {
-    const Json* found = find(name);
-    if (found == nullptr)
-      throw badInput({file_, "", pointer_}, "the key \"" + name + "\" is missing", expected);
-    return *found;
-  }
-
-  void read(const std::string& name, double& value, Range range) {
-    if (const Json* json = find(name)) value = real(*json, name, range, placeOf(name));
-  }
-  void read(const std::string& name, bool& value) {
-    if (const Json* json = find(name))
-      value = checkParameter(rule(name, ParameterType::kBoolean), *json, placeOf(name));
-  }
-  void read(const std::string& name, Float3& value, Range range) {
-    if (const Json* json = find(name)) value = triple(*json, name, range, placeOf(name));
-  }
   void readDirection(const std::string& name, Float3& value) {
     read(name, value, kPosition);
     if (isZero(value)) throw badInput(placeOf(name), "it has no direction", "three numbers, not all zero");
   }
-  // The place of the chosen word among `choices`.
-  std::size_t readChoice(const std::string& name, const std::vector<std::string>& choices) {
-    ParameterDescription choice = rule(name, ParameterType::kText);
-    choice.choices = choices;
-    const Json& json = require(name, expectation(choice));
-    const auto word = checkParameter(choice, json, placeOf(name)).get<std::string>();
-    return static_cast<std::size_t>(std::find(choices.begin(), choices.end(), word) - choices.begin());
-  }
   // An existing file; its name is relative to the folder of this one.
   fs::path readPath(const std::string& name, const std::string& expected) {
-    const Json text =
-        checkParameter(rule(name, ParameterType::kText), require(name, expected), placeOf(name));
-    const fs::path path = (fs::path(file_).parent_path() / text.get<std::string>()).lexically_normal();
-    if (!fs::is_regular_file(path))
-      throw badInput(placeOf(name), "there is no file " + path.string(), expected,
-                     "write its path relative to the folder of the light rig");
-    return path;
+    return readFile(name, expected, "write its path relative to the folder of the light rig");
   }
-
-  static Float3 triple(const Json& json, const std::string& name, Range range, const ErrorPlace& place) {
-    ParameterDescription numbers_rule = rule(name, ParameterType::kRealList, range);
-    numbers_rule.length = 3;
-    const Json numbers = checkParameter(numbers_rule, json, place);
-    return {numbers[0].get<float>(), numbers[1].get<float>(), numbers[2].get<float>()};
-  }
-  static double real(const Json& json, const std::string& name, Range range, const ErrorPlace& place) {
-    return checkParameter(rule(name, ParameterType::kReal, range), json, place).get<double>();
-  }
-  static bool isZero(const Float3& v) { return v[0] == 0 && v[1] == 0 && v[2] == 0; }
-
-  // To be called after everything has been asked for.
-  void refuseOthers() const {
-    for (const auto& [name, ignored] : object_.items()) {
-      if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
-      std::string list;
-      for (const std::string& known : known_) list += (list.empty() ? "" : ", ") + known;
-      const std::string nearest = nearestName(name, known_);
-      throw badInput(placeOf(name), "unknown key \"" + name + "\"", "one of: " + list,
-                     nearest.empty() ? "" : "write \"" + nearest + "\"");
-    }
-  }
-
- private:
-  const Json& object_;
-  std::string file_, pointer_;
-  std::vector<std::string> known_;
 };
 
 EnvironmentLight readEnvironment(Members& members) {
@@ -175,7 +88,7 @@ PolygonLight readPolygon(Members& members) {
   };
   for (std::size_t i = 0; i < list.size(); ++i) {
     light.vertices.push_back(Members::triple(list[i], "vertices", kPosition, placeOfVertex(i)));
-    if (Members::isZero(light.vertices.back()))
+    if (isZero(light.vertices.back()))
       throw badInput(placeOfVertex(i), "it lies at the object itself", "a position as seen from the object");
   }
   for (std::size_t i = 0; i < list.size(); ++i)

@@ -71,9 +71,11 @@ std::string textOrEmpty(const Json& json, const char* key) {
 
 Json toJson(const std::vector<PortDescription>& ports) {
   Json list = Json::array();
-  for (const auto& port : ports)
+  for (const auto& port : ports) {
     list.push_back(
         {{"name", port.name}, {"kind", port.kind}, {"required", port.required}, {"help", port.help}});
+    if (!port.parts.empty()) list.back()["parts"] = port.parts;
+  }
   return list;
 }
 
@@ -87,13 +89,15 @@ Json toJson(const ParameterDescription& parameter) {
   if (!parameter.choices.empty()) json["choices"] = parameter.choices;
   if (!parameter.unit.empty()) json["unit"] = parameter.unit;
   if (parameter.type == ParameterType::kRealList) json["length"] = parameter.length;
+  if (parameter.changes_object) json["changes_object"] = true;
   return json;
 }
 
 std::vector<PortDescription> portsFromJson(const Json& list) {
   std::vector<PortDescription> ports;
   for (const auto& port : list)
-    ports.push_back({port.at("name"), port.at("kind"), port.at("required"), textOrEmpty(port, "help")});
+    ports.push_back({port.at("name"), port.at("kind"), port.at("required"), textOrEmpty(port, "help"),
+                     port.value("parts", std::vector<std::string>())});
   return ports;
 }
 
@@ -112,6 +116,7 @@ ParameterDescription parameterFromJson(const Json& json) {
   parameter.length = json.value("length", 1);
   parameter.unit = textOrEmpty(json, "unit");
   parameter.help = textOrEmpty(json, "help");
+  parameter.changes_object = json.value("changes_object", false);
   return parameter;
 }
 
@@ -119,6 +124,9 @@ ParameterDescription parameterFromJson(const Json& json) {
 
 const ParameterDescription* ToolDescription::findParameter(std::string_view name) const {
   return findByName(parameters, name);
+}
+const RetiredParameter* ToolDescription::findRetired(std::string_view name) const {
+  return findByName(retired, name);
 }
 const PortDescription* ToolDescription::findInput(std::string_view name) const {
   return findByName(inputs, name);
@@ -185,6 +193,8 @@ Json checkParameters(const ToolDescription& tool, const Json& values, const Erro
     ErrorPlace here = place;
     here.pointer = childPointer(place.pointer, name);
     const ParameterDescription* parameter = tool.findParameter(name);
+    if (const RetiredParameter* was = tool.findRetired(name); was != nullptr && parameter == nullptr)
+      throw badInput(here, "\"" + name + "\" is a parameter of " + tool.tool + " no more", "", was->instead);
     if (parameter == nullptr) {
       std::vector<std::string> names;
       for (const auto& known : tool.parameters) names.push_back(known.name);
@@ -198,14 +208,16 @@ Json checkParameters(const ToolDescription& tool, const Json& values, const Erro
 }
 
 Json toJson(const ToolDescription& tool) {
-  Json parameters = Json::array();
+  Json parameters = Json::array(), retired = Json::array();
   for (const auto& parameter : tool.parameters) parameters.push_back(toJson(parameter));
+  for (const auto& was : tool.retired) retired.push_back({{"name", was.name}, {"instead", was.instead}});
   return {{"tool", tool.tool},
           {"summary", tool.summary},
           {"execution_path", tool.execution_path},
           {"inputs", toJson(tool.inputs)},
           {"outputs", toJson(tool.outputs)},
-          {"parameters", parameters}};
+          {"parameters", parameters},
+          {"retired", retired}};
 }
 
 ToolDescription toolDescriptionFromJson(const Json& json, const std::string& file) {
@@ -218,6 +230,8 @@ ToolDescription toolDescriptionFromJson(const Json& json, const std::string& fil
     tool.outputs = portsFromJson(json.at("outputs"));
     for (const auto& parameter : json.at("parameters"))
       tool.parameters.push_back(parameterFromJson(parameter));
+    for (const auto& was : json.value("retired", Json::array()))
+      tool.retired.push_back({was.at("name"), was.at("instead")});
     return tool;
   } catch (const std::exception& error) {
     throw badInput({file, "", ""},

@@ -30,6 +30,8 @@ struct ParameterDescription {
   int length = 1;                          // kRealList only
   std::string unit;                        // "deg", "px", "triangles"; "" if dimensionless
   std::string help;                        // one line, no final full stop
+  // The object itself is another one with another value: pictures of the two cannot be compared.
+  bool changes_object = false;
 };
 
 // A file that a tool reads or writes.
@@ -41,6 +43,15 @@ struct PortDescription {
   std::string kind;  // "mesh", "image", "tensors", "pack", "report", kAnyKind
   bool required = true;
   std::string help;
+  // Kind "material": the members that the tool looks at, as formats::toJson(Materials) has them; the driver
+  // hands over no others, so that the rest may change without this. Empty: all.
+  std::vector<std::string> parts = {};
+};
+
+// What used to be a parameter.
+struct RetiredParameter {
+  std::string name;
+  std::string instead;  // where its value is written now
 };
 
 struct ToolDescription {
@@ -52,8 +63,10 @@ struct ToolDescription {
   std::string execution_path;
   std::vector<PortDescription> inputs, outputs;
   std::vector<ParameterDescription> parameters;
+  std::vector<RetiredParameter> retired;
 
   const ParameterDescription* findParameter(std::string_view name) const;
+  const RetiredParameter* findRetired(std::string_view name) const;
   const PortDescription* findInput(std::string_view name) const;
   const PortDescription* findOutput(std::string_view name) const;
 };
@@ -65,8 +78,8 @@ std::string expectation(const ParameterDescription& parameter);
 Json checkParameter(const ParameterDescription& parameter, const Json& value, const ErrorPlace& place);
 
 // Checks each member of `values` (an object) against the tool's parameters; an unknown key is an error that
-// names the nearest valid one. `place.pointer` points to `values`. Returns the canonical values, without
-// defaults filled in.
+// names the nearest valid one, or what took its place. `place.pointer` points to `values`. Returns the
+// canonical values, without defaults filled in.
 Json checkParameters(const ToolDescription& tool, const Json& values, const ErrorPlace& place);
 
 Json toJson(const ToolDescription& tool);

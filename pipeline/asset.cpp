@@ -14,7 +14,14 @@ namespace {
 
 constexpr const char* kAssetFile = "asset.json";
 constexpr const char* kMeshPort = "mesh";
+constexpr const char* kTexturePort = "texture";
+constexpr const char* kMaterialKind = "material";
 constexpr std::string_view kDataPrefix = "data:";
+
+// Materials by the names that the mesh gives its faces stand beside that of all: "materials".
+std::string pluralOf(const std::string& port) {
+  return port + "s";
+}
 
 bool endsAs(const fs::path& path, const AssetPort& port) {
   return std::find(port.endings.begin(), port.endings.end(), formats::lowerEnding(path)) !=
@@ -47,9 +54,19 @@ class Finder {
                          ", or a folder with such a file or asset.json");
   }
 
-  std::vector<Asset> take() { return std::move(assets_); }
+  std::vector<Asset> take() {
+    for (Asset& asset : assets_)
+      problems_.attempt([&] { addDefaultMaterials(recipes_.require(asset.recipe, {}), asset); });
+    return std::move(assets_);
+  }
 
  private:
+  static void addDefaultMaterials(const Recipe& recipe, Asset& asset) {
+    for (const auto& [name, port] : recipe.asset)
+      if (port.kind == kMaterialKind && !port.otherwise.is_null() && !asset.supplies(name))
+        asset.materials[name] = {defaultMaterial(recipe, name)};
+  }
+
   const Recipe& defaultRecipe() { return recipes_.require(RecipeBook::kDefault, {}); }
   const AssetPort& defaultPort(const std::string& name) { return defaultRecipe().asset.at(name); }
 
@@ -126,7 +143,10 @@ class Finder {
     const Recipe& recipe = recipes_.require(asset.recipe, object.placeOf("recipe"));
 
     std::vector<std::string> keys = {"name", "recipe", "stages", "deliver", "leave_out", "report", "budget"};
-    for (const auto& [port, ignored] : recipe.asset) keys.push_back(port);
+    for (const auto& [name, port] : recipe.asset) {
+      keys.push_back(name);
+      if (port.kind == kMaterialKind) keys.push_back(pluralOf(name));
+    }
     object.allowKeys(keys, problems_);
     problems_.attempt(
         [&] { asset.name = object.text("name", folderName(fs::absolute(file).parent_path())); });
@@ -148,7 +168,8 @@ class Finder {
     });
     if (object.has("budget")) asset.budget = object.value("budget");
     for (const auto& [name, port] : recipe.asset)
-      problems_.attempt([&, name = name, required = port.required] {
+      problems_.attempt([&, name = name, kind = port.kind, required = port.required] {
+        if (kind == kMaterialKind) return readMaterials(object, name, recipe, asset);
         if (!object.has(name) && !required) return;
         asset.files[name] = fs::path();  // one mistake: it is not missing for the stages that need it as well
         asset.files[name] = fileNamed(object, name, file.parent_path());
@@ -156,12 +177,83 @@ class Finder {
     assets_.push_back(std::move(asset));
   }
 
+  void readMaterials(const JsonObject& object, const std::string& port, const Recipe& recipe, Asset& asset) {
+    const fs::path folder = fs::path(asset.file).parent_path();
+    formats::Materials materials;
+    const Json& otherwise = recipe.asset.at(port).otherwise;
+    if (object.has(port)) {
+      materials.base = materialAt(object, port, folder, otherwise);
+      if (!materials.base.texture.empty()) takeTexture(object, port, recipe, materials.base, asset);
+    }
+    const JsonObject named = object.object(pluralOf(port));
+    for (const std::string& name : named.keys())
+      problems_.attempt([&] {
+        const formats::Material material = materialAt(named, name, folder, otherwise);
+        if (!material.texture.empty())
+          throw badInput(named.placeOf(name), "a texture of one of several materials is not read from here",
+                         "an albedo of three numbers", "name the picture in the mesh's own material");
+        materials.by_name[name] = material;
+      });
+    if (!object.has(port) && !object.has(pluralOf(port))) return;
+    if (!object.has(port)) materials.base = defaultMaterial(recipe, port);
+    asset.materials[port] = std::move(materials);
+  }
+
+  // Inline, or a file of its own.
+  formats::Material materialAt(const JsonObject& object, const std::string& key, const fs::path& folder,
+                               const Json& otherwise) const {
+    const auto whole = [&](const Json& given) {
+      Json json = given;
+      if (given.is_object() && otherwise.is_object()) {
+        json = otherwise;
+        json.update(given);
+      }
+      return json;
+    };
+    const auto files = [this](const fs::path& base) {
+      return [this, base](const std::string& text, const ErrorPlace& place) {
+        return resolved(text, place, base);
+      };
+    };
+    if (!object.value(key).is_string())
+      return formats::materialFromJson(whole(object.value(key)), object.placeOf(key).file,
+                                       object.placeOf(key).pointer, files(folder));
+    const fs::path path = fileNamed(object, key, folder);
+    const Json json = formats::parseJson(disk_.read(path), path.string());
+    return formats::materialFromJson(whole(json), path.string(), "", files(path.parent_path()));
+  }
+
+  static formats::Material defaultMaterial(const Recipe& recipe, const std::string& port) {
+    const Json& otherwise = recipe.asset.at(port).otherwise;
+    if (otherwise.is_null()) return {};
+    return formats::materialFromJson(otherwise, recipe.file, "/asset/" + port + "/default",
+                                     [](const std::string&, const ErrorPlace& place) -> fs::path {
+                                       throw badInput(place, "a recipe's material names a file",
+                                                      "numbers alone");
+                                     });
+  }
+
+  // The picture becomes colours of the mesh: from then on these are the albedo.
+  static void takeTexture(const JsonObject& object, const std::string& port, const Recipe& recipe,
+                          formats::Material& material, Asset& asset) {
+    if (recipe.asset.count(kTexturePort) == 0)
+      throw badInput(object.placeOf(port), "the recipe " + recipe.name + " takes no texture",
+                     "an albedo of three numbers");
+    if (object.has(kTexturePort))
+      throw badInput(object.placeOf(port), "the albedo is a texture, and the asset has another \"texture\"",
+                     "one texture", "leave \"texture\" out");
+    asset.files[kTexturePort] = std::exchange(material.texture, fs::path());
+  }
+
   fs::path fileNamed(const JsonObject& object, const std::string& key, const fs::path& folder) const {
-    const std::string text = object.text(key);
+    return resolved(object.text(key), object.placeOf(key), folder);
+  }
+
+  fs::path resolved(const std::string& text, const ErrorPlace& place, const fs::path& folder) const {
     const bool in_data = text.starts_with(kDataPrefix);
     const fs::path path = in_data ? data_folder_ / text.substr(kDataPrefix.size()) : folder / text;
     if (!disk_.isFile(path))
-      throw badInput(object.placeOf(key), "there is no file " + path.lexically_normal().string(), "",
+      throw badInput(place, "there is no file " + path.lexically_normal().string(), "",
                      in_data ? "run `make assets`, or name the data folder with --data" : "correct the path");
     return path.lexically_normal();
   }

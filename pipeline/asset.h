@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "formats/json.h"
+#include "formats/material.h"
 #include "pipeline/disk.h"
 #include "pipeline/problems.h"
 #include "pipeline/recipe.h"
@@ -28,7 +29,9 @@ struct Asset {
   std::string label = {};  // what {asset} stands for in recipes; empty: the name
   std::string file;        // asset.json as the user would name it, or the mesh: for errors
   std::string recipe = RecipeBook::kDefault;
-  std::map<std::string, std::filesystem::path> files = {};  // by asset port of the recipe; all exist
+  std::map<std::string, std::filesystem::path> files = {};   // by asset port of the recipe; all exist
+  std::map<std::string, formats::Materials> materials = {};  // by asset port; tables are not read
+  std::vector<std::string> wanted = {};            // stages that run though nothing delivered needs them
   formats::Json stages = formats::Json::object();  // overrides: stage → parameter → value, not checked yet
   std::optional<std::vector<std::string>> deliver = {};  // nothing: all that the recipe delivers
   bool keep_all = false;                                 // nothing is left out by a measured figure
@@ -37,6 +40,8 @@ struct Asset {
   std::vector<Setting> settings = {};  // of a variant; stronger than everything else
   formats::Json budget = {};           // see pipeline/budget.h; null: none
   formats::Json choice = {};           // the variant that keeps it; null: none
+
+  bool supplies(const std::string& port) const { return files.count(port) + materials.count(port) > 0; }
 };
 
 // The assets that `paths` stand for, in their order: a folder with asset.json, a folder with one mesh file, a

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "formats/error.h"
+#include "pipeline/companions.h"
 #include "pipeline/json_object.h"
 
 namespace bakelight::pipeline {
@@ -23,6 +24,11 @@ std::string optionFor(const std::string& port) {
   std::string option = "--" + port;
   std::replace(option.begin() + 2, option.end(), '_', '-');
   return option;
+}
+
+// Of an input that is no file of the asset.
+std::string fileFor(const std::string& port) {
+  return port + ".json";
 }
 
 void replaceAll(std::string& text, const std::string& from, const std::string& to) {
@@ -132,6 +138,9 @@ void Build::launch(TaskIndex task, Verdict verdict) {
   running.folder = parts_.cache.startEntry(running.key);
   try {
     parts_.disk.write(running.folder / kParametersFile, running.ingredients.parameters.dump(2) + "\n");
+    for (const auto& [port, input] : graph_.tasks[task].inputs)
+      if (!input.value.is_null())
+        parts_.disk.write(running.folder / fileFor(port), withAbsolutePaths(input.value).dump(2) + "\n");
     parts_.runner.start(task, commandFor(task, running));
   } catch (...) {
     parts_.cache.dropEntry(running.key);
@@ -159,7 +168,10 @@ std::vector<std::string> Build::commandFor(TaskIndex index, const Running& runni
     const auto made = [&, input = input] {
       return entries_[*input.maker]->pathOf(entries_[*input.maker]->outputs.at(input.port));
     };
-    add(optionFor(port), (input.maker ? made() : input.file).string());
+    add(optionFor(port), (input.maker              ? made()
+                          : !input.value.is_null() ? running.folder / fileFor(port)
+                                                   : input.file)
+                             .string());
   }
   for (const auto& [port, file] : task.outputs) add(optionFor(port), (running.folder / file).string());
   add("--parameters", (running.folder / kParametersFile).string());
@@ -296,6 +308,8 @@ std::string Build::withPublicPaths(TaskIndex index, const Running& running, std:
   for (const auto& [port, file] : task.outputs)
     replaceAll(text, (running.folder / file).string(), parts_.out.pathOf(index, port).string());
   for (const auto& [port, input] : task.inputs) {
+    if (!input.value.is_null())
+      replaceAll(text, (running.folder / fileFor(port)).string(), input.file.string());
     if (!input.maker || !entries_[*input.maker]) continue;
     const CacheEntry& entry = *entries_[*input.maker];
     replaceAll(text, entry.pathOf(entry.outputs.at(input.port)).string(),

@@ -1,5 +1,6 @@
 #include "pipeline/companions.h"
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -107,7 +108,28 @@ Json namesOf(const std::vector<fs::path>& files) {
   return names;
 }
 
+// Calls rename(name) for each file that the text names.
+void renameFiles(Json& value, const std::function<std::string(const std::string&)>& rename) {
+  if (!value.is_structured()) return;
+  for (auto& [key, member] : value.items())
+    if (key == "file" && member.is_string())
+      member = rename(member.get<std::string>());
+    else
+      renameFiles(member, rename);
+}
+
 }  // namespace
+
+std::string hashWithCompanions(const Json& value, Memo& memo) {
+  Json by_content = value;
+  renameFiles(by_content, [&](const std::string& file) { return memo.hashOf(file); });
+  return formats::contentHash(by_content.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+Json withAbsolutePaths(Json value) {
+  renameFiles(value, [](const std::string& file) { return fs::absolute(file).lexically_normal().string(); });
+  return value;
+}
 
 std::string hashWithCompanions(const fs::path& path, const Disk& disk, Memo& memo) {
   const std::string own = memo.hashOf(path), key = "companions of " + path.lexically_normal().string();

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "formats/json.h"
 #include "pipeline/disk.h"
 #include "pipeline/memo.h"
 
@@ -14,5 +15,10 @@ namespace bakelight::pipeline {
 // Memo::hashOf. What is referred to and missing, or a file that should be JSON and is not, is left for the
 // tool to report. Throws Error(kBadInput) if `path` itself cannot be read.
 std::string hashWithCompanions(const std::filesystem::path& path, const Disk& disk, Memo& memo);
+
+// Content hash of a text that stands in place of a file, and of the files that it names under "file".
+std::string hashWithCompanions(const formats::Json& value, Memo& memo);
+// The same text for a reader that stands elsewhere: with absolute paths of these files.
+formats::Json withAbsolutePaths(formats::Json value);
 
 }  // namespace bakelight::pipeline

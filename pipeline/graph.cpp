@@ -59,6 +59,7 @@ class AssetStages {
   // What is delivered, and what that is made from.
   void markNeeded() {
     for (const std::string& name : delivered_) markNeeded(recipe_.deliverables.at(name).stage);
+    for (const std::string& stage : asset_.wanted) markNeeded(stage);
   }
 
   void markNeeded(const std::string& stage) {
@@ -120,17 +121,22 @@ class AssetStages {
 
   void wire(const RecipeStage& stage, Task& task) {
     for (const auto& [port, wire] : stage.inputs) {
-      const auto file = asset_.files.find(wire.port);
       if (!wire.fromAsset())
         task.inputs[port] = {.maker = makerOf(wire), .port = wire.port};
-      else if (file != asset_.files.end())
-        task.inputs[port] = {.maker = std::nullopt, .port = wire.port, .file = file->second};
+      else if (const auto input = inputFrom(asset_, wire.port, partsOf(stage.tool, port)))
+        task.inputs[port] = *input;
     }
     for (const auto& [port, file] : stage.outputs)
       task.outputs[port] = expand(file, label(), placeOf(stage, "outputs", port));
     for (const std::string& name : delivered_)
       if (recipe_.deliverables.at(name).stage == stage.name)
         task.deliverables[recipe_.deliverables.at(name).port] = name;
+  }
+
+  std::vector<std::string> partsOf(const std::string& tool, const std::string& port) {
+    if (!tools_.has(tool)) return {};
+    const auto* input = tools_.require(tool, {}).description.findInput(port);
+    return input == nullptr ? std::vector<std::string>() : input->parts;
   }
 
   // Nothing if the maker itself has a mistake, which is reported already.
@@ -154,7 +160,7 @@ class AssetStages {
       if (wired == stage.inputs.end())
         problems_.add(badInput(placeOf(stage, "inputs", input.name), "the input is not wired",
                                "a wire, as the tool " + tool.tool + " requires it"));
-      else if (wired->second.fromAsset() && asset_.files.count(wired->second.port) == 0)
+      else if (wired->second.fromAsset() && !asset_.supplies(wired->second.port))
         problems_.add(badInput(
             {asset_.file, "", ""},
             "the stage " + stage.name + " needs the asset's " + wired->second.port + ", and there is none",
@@ -299,6 +305,8 @@ void checkOutputNames(const Graph& graph, Problems& problems) {
   for (const Task& task : graph.tasks) taken[task.asset].insert(task.stage);
   for (const Task& task : graph.tasks) {
     std::set<std::string> own = {"stats.json", "parameters.json", "entry.json"};
+    for (const auto& [port, input] : task.inputs)
+      if (!input.value.is_null()) own.insert(port + ".json");
     for (const auto& [port, file] : task.outputs) {
       const bool delivered = task.deliverables.count(port) != 0;
       const bool is_new = own.insert(file).second;
@@ -338,6 +346,20 @@ std::set<TaskIndex> Graph::makersOf(TaskIndex task) const {
     makers.insert(rule.error_maker);
   }
   return makers;
+}
+
+std::optional<Input> inputFrom(const Asset& asset, const std::string& port,
+                               const std::vector<std::string>& parts) {
+  Input input{.maker = std::nullopt, .port = port};
+  if (const auto file = asset.files.find(port); file != asset.files.end()) {
+    input.file = file->second;
+    return input;
+  }
+  const auto materials = asset.materials.find(port);
+  if (materials == asset.materials.end()) return std::nullopt;
+  input.file = asset.file;
+  input.value = formats::toJson(materials->second, parts);
+  return input;
 }
 
 Json defaultParameters(const ToolDescription& tool) {

@@ -26,7 +26,13 @@ struct Input {
   std::optional<TaskIndex> maker = {};  // nothing: a file of the asset
   std::string port;                     // the maker's output, or the asset's port
   std::filesystem::path file = {};      // of the asset
+  // Of the asset, too, but no file: the text that is written for the tool to read. Null: there is a file.
+  formats::Json value = {};
 };
+// What the asset supplies, for a tool's input of those `parts` (formats::PortDescription); nothing if it has
+// no such port.
+std::optional<Input> inputFrom(const Asset& asset, const std::string& port,
+                               const std::vector<std::string>& parts);
 
 // A rule of the recipe that may apply to a task, see LeaveOutRule.
 struct TaskRule {

@@ -30,8 +30,12 @@ Wire parseWire(const JsonObject& object, const std::string& key) {
 }
 
 AssetPort parseAssetPort(const JsonObject& object, Problems& problems) {
-  object.allowKeys({"kind", "required", "endings"}, problems);
-  return {object.text("kind"), object.boolean("required", true), object.texts("endings")};
+  object.allowKeys({"kind", "required", "endings", "default"}, problems);
+  AssetPort port{object.text("kind"), object.boolean("required", true), object.texts("endings")};
+  if (!object.has("default")) return port;
+  object.object("default");
+  port.otherwise = object.value("default");
+  return port;
 }
 
 LeaveOutRule parseRule(const Json& json, const std::string& file, const std::string& pointer,

@@ -21,6 +21,7 @@ struct AssetPort {
   bool required = true;
   // Lowercase, with the dot: which files of a folder without asset.json are taken for this port.
   std::vector<std::string> endings;
+  formats::Json otherwise = {};  // what an asset's material has where it says nothing; null: nothing
 };
 
 // Where an input comes from: an output of a stage, or a file of the asset (stage == kAsset).

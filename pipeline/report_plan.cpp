@@ -26,7 +26,7 @@ class PlanWriter {
                        {"environment", fileEntry(view.environment)},
                        {"lights", fileEntry(view.lights)},
                        {"frame", view.frame},
-                       {"reference", made(sweep_.truths[i], "image")}});
+                       {"reference", made(sweep_.truths[i], sweep_.reference_output)}});
       if (view.windowing) views.back()["windowing"] = *view.windowing;
     }
     return views;
@@ -108,7 +108,7 @@ class PlanWriter {
       if (!there) return Json::array();
       Json entry = {{"cause", link.cause}};
       for (const TaskIndex reference : link.references)
-        entry["references"].push_back(made(reference, "image"));
+        entry["references"].push_back(made(reference, sweep_.reference_output));
       if (!traced) entry["pack"] = made(link.pack, sweep_.pack_output);
       chain.push_back(std::move(entry));
     }

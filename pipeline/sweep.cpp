@@ -8,101 +8,12 @@
 #include "formats/error.h"
 #include "formats/file.h"
 #include "pipeline/json_object.h"
+#include "pipeline/report_recipe.h"
 
 namespace bakelight::pipeline {
 namespace fs = std::filesystem;
 using formats::Json;
 namespace {
-
-constexpr const char* kReferenceTool = "reference";
-constexpr const char* kReferenceFile = "reference.exr";
-
-// Settings from { stage: { parameter: value } }.
-std::vector<Setting> settingsOf(const Json& set, const std::string& origin) {
-  std::vector<Setting> settings;
-  for (const auto& [stage, parameters] : set.items())
-    for (const auto& [parameter, value] : parameters.items()) {
-      const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-      settings.push_back({stage, parameter, text, origin});
-    }
-  return settings;
-}
-
-// The recipe's section "report", checked as far as the driver reads it.
-class ReportRecipe {
- public:
-  ReportRecipe(const Recipe& recipe, Problems& problems)
-      : recipe_(recipe), object_(recipe.report, recipe.file, "/report") {
-    if (recipe.report.empty())
-      throw badInput({recipe.file, "", "/report"}, "the recipe does not say how its packs are measured",
-                     "a section \"report\" (docs/REPORT.md)", "use a recipe that has one");
-    object_.allowKeys(
-        {"pack", "frame", "vary", "frame_parameters", "cameras", "same_scene", "scene", "truth", "chain"},
-        problems);
-  }
-
-  struct Link {
-    std::string cause;
-    std::vector<Setting> settings;
-    std::optional<Json> reference;  // parameters; values may be { "same_as": "stage.parameter" }
-  };
-
-  Wire pack() const {
-    const std::string text = object_.text("pack");
-    const std::size_t dot = text.find('.');
-    const Wire wire{text.substr(0, dot), dot == std::string::npos ? "" : text.substr(dot + 1)};
-    const auto stage = recipe_.stages.find(wire.stage);
-    if (stage == recipe_.stages.end() || stage->second.outputs.count(wire.port) == 0)
-      throw badInput(object_.placeOf("pack"), "there is no output \"" + text + "\"",
-                     "\"stage.output\" of this recipe");
-    return wire;
-  }
-  std::string frameStage() const { return object_.text("frame", ""); }
-  std::vector<std::string> vary() const { return object_.texts("vary"); }
-  JsonObject cameras() const { return object_.object("cameras"); }
-  Json frameParameters() const { return valueOr("frame_parameters", Json::object()); }
-  std::vector<std::string> sameScene() const { return object_.texts("same_scene"); }
-  std::vector<Setting> sceneSettings() const { return settingsAt(object_, "scene"); }
-  Link truth() const { return link(object_.object("truth"), "truth"); }
-
-  std::vector<Link> chain(Problems& problems) const {
-    std::vector<Link> links;
-    const Json list = valueOr("chain", Json::array());
-    if (!list.is_array()) throw badInput(object_.placeOf("chain"), "is no list", "a list of links");
-    for (std::size_t i = 0; i < list.size(); ++i)
-      problems.attempt([&] {
-        const JsonObject entry(list[i], recipe_.file, "/report/chain/" + std::to_string(i));
-        entry.allowKeys({"cause", "set", "reference"}, problems);
-        links.push_back(link(entry, entry.text("cause")));
-      });
-    return links;
-  }
-
- private:
-  Json valueOr(const char* key, const Json& otherwise) const {
-    return object_.has(key) ? object_.value(key) : otherwise;
-  }
-
-  static std::vector<Setting> settingsAt(const JsonObject& object, const char* key) {
-    const JsonObject stages = object.object(key);
-    for (const std::string& stage : stages.keys()) stages.object(stage);
-    const ErrorPlace place = object.placeOf(key);
-    return object.has(key) ? settingsOf(object.value(key), place.file + ", at " + place.pointer)
-                           : std::vector<Setting>();
-  }
-
-  static Link link(const JsonObject& object, const std::string& cause) {
-    Link link{.cause = cause, .settings = settingsAt(object, "set"), .reference = {}};
-    if (object.has("reference")) {
-      object.object("reference");
-      link.reference = object.value("reference");
-    }
-    return link;
-  }
-
-  const Recipe& recipe_;
-  JsonObject object_;
-};
 
 std::string fileName(std::string name) {
   for (char& c : name)
@@ -125,13 +36,16 @@ class Planner {
   Sweep plan() {
     pack_ = how_.pack();
     sweep_.pack_output = pack_.port;
+    reference_ = how_.reference(problems_);
+    sweep_.reference_output = reference_.output;
     planVariants();
     problems_.throwIfAny();
     makeSweepGraph();
     problems_.throwIfAny();
     planViews();
+    const ReportRecipe::Link truth = how_.truth();
     for (const View& view : sweep_.views)
-      sweep_.truths.push_back(referenceTask(truth_, how_.truth(), view, {}, truth_));
+      sweep_.truths.push_back(referenceTask(kept_[truth_wanted_], truth, view, {}, kept_[truth_wanted_]));
     for (std::size_t i = 0; i < sweep_.variants.size(); ++i) addPictures(i);
     problems_.throwIfAny();
     return std::move(sweep_);
@@ -150,57 +64,79 @@ class Planner {
     return own.has("vary") ? own.texts("vary") : how_.vary();
   }
 
-  std::size_t want(const std::string& name, std::vector<Setting> settings, bool with_frame, bool keep_all) {
+  // The asset with other settings, of which nothing is wanted yet.
+  Asset assetFor(const std::string& name, const std::vector<Setting>& settings) const {
     Asset asset = base_;
     asset.name = name;
     asset.label = base_.name;
     asset.settings = options_.settings;
     asset.settings.insert(asset.settings.end(), settings.begin(), settings.end());
-    asset.keep_all = asset.keep_all || keep_all;
     asset.budget = asset.choice = {};
-    std::vector<std::string> deliver;
-    for (const auto& [deliverable, wire] : recipe_.deliverables)
-      if (wire.text() == pack_.text() || (with_frame && wire.stage == how_.frameStage()))
-        deliver.push_back(deliverable);
-    asset.deliver = deliver;
+    asset.deliver.emplace();
+    return asset;
+  }
+
+  std::size_t want(Asset asset) {
     wanted_.push_back(std::move(asset));
     return wanted_.size() - 1;
+  }
+
+  std::size_t wantPack(Asset asset, bool with_frame) {
+    for (const auto& [deliverable, wire] : recipe_.deliverables)
+      if (wire.text() == pack_.text() || (with_frame && wire.stage == how_.frameStage()))
+        asset.deliver->push_back(deliverable);
+    return want(std::move(asset));
+  }
+
+  std::map<std::string, Wire> wiresOf(const ReportRecipe::Link& link) const {
+    std::map<std::string, Wire> wires = link.inputs;
+    wires.insert(reference_.inputs.begin(), reference_.inputs.end());
+    return wires;
+  }
+
+  // What `link` adds one cause of error to, with nothing left out by measurement.
+  std::size_t wantLink(Asset asset, const ReportRecipe::Link& link) {
+    asset.keep_all = true;
+    if (!link.reference) return wantPack(std::move(asset), false);
+    for (const auto& [port, wire] : wiresOf(link))
+      if (recipe_.stages.count(wire.stage) > 0) asset.wanted.push_back(wire.stage);
+    return want(std::move(asset));
   }
 
   void planVariants() {
     const std::vector<Variant> variants = variantsOf(vary());
     chain_ = how_.chain(problems_);
-    scene_ = how_.sceneSettings();
-    truth_wanted_ = want("truth", joined(scene_, how_.truth().settings), false, true);
+    const ReportRecipe::Link truth = how_.truth();
+    truth_wanted_ = wantLink(assetFor(ReportRecipe::kTruth, truth.settings), truth);
     for (const Variant& variant : variants) {
-      checkSameScene(variant);
-      Wanted wanted{want(variant.name, variant.settings, true, false), {}};
+      checkSameObject(variant);
+      Wanted wanted{wantPack(assetFor(variant.name, variant.settings), true), {}};
       for (const ReportRecipe::Link& link : chain_) {
         std::vector<Setting> settings = variant.settings;
-        if (link.reference) settings = joined(settings, scene_);
-        wanted.links.push_back(
-            want(variant.name + " (" + link.cause + ")", joined(settings, link.settings), false, true));
+        settings.insert(settings.end(), link.settings.begin(), link.settings.end());
+        wanted.links.push_back(wantLink(assetFor(variant.name + " (" + link.cause + ")", settings), link));
       }
       of_variant_.push_back(std::move(wanted));
       sweep_.variants.push_back({.variant = variant, .pack = 0, .frame = {}, .chain = {}});
     }
   }
 
-  static std::vector<Setting> joined(std::vector<Setting> first, const std::vector<Setting>& second) {
-    first.insert(first.end(), second.begin(), second.end());
-    return first;
+  // As the tools say of their parameters.
+  void checkSameObject(const Variant& variant) {
+    for (const Setting& setting : variant.settings) {
+      const auto stage = recipe_.stages.find(setting.stage);
+      if (stage == recipe_.stages.end()) continue;  // which makeGraph reports
+      const auto* parameter =
+          tools_.require(stage->second.tool, {}).description.findParameter(setting.parameter);
+      if (parameter != nullptr && parameter->changes_object)
+        problems_.add(Error(ExitStatus::kUsage, {setting.option, "", ""},
+                            setting.stage + "." + setting.parameter + " changes the object itself",
+                            "variants of one object, whose pictures can be compared",
+                            "make an asset of each"));
+    }
   }
 
-  void checkSameScene(const Variant& variant) {
-    for (const Setting& setting : variant.settings)
-      for (const std::string& fixed : how_.sameScene())
-        if (setting.stage + "." + setting.parameter == fixed)
-          problems_.add(
-              Error(ExitStatus::kUsage, {setting.option, "", ""}, fixed + " changes the scene itself",
-                    "variants of one scene, whose pictures can be compared", "make an asset of each"));
-  }
-
-  // Assets of equal tasks become one: what differs only in what a scene pack does not hold is baked once.
+  // Assets of equal tasks become one: what differs only in what a link does not look at is made once.
   void makeSweepGraph() {
     const Graph all = makeGraph(wanted_, recipes_, tools_, {}, problems_);
     problems_.throwIfAny();
@@ -217,7 +153,6 @@ class Planner {
       tasks_[{made.asset, made.stage}] = task;
       made.published = !made.deliverables.empty() && isVariant(made.asset);
     }
-    truth_ = kept_[truth_wanted_];
   }
 
   bool isVariant(std::size_t kept) const {
@@ -229,7 +164,7 @@ class Planner {
   static std::string signature(const Graph& graph, std::size_t asset) {
     Json tasks = Json::array();
     for (const Task& task : graph.tasks)
-      if (task.asset == asset)
+      if (task.asset == asset && task.left_out != kNotNeeded)
         tasks.push_back({task.stage, task.parameters, task.left_out, task.rules.size(), task.deliverables});
     return tasks.dump();
   }
@@ -295,28 +230,41 @@ class Planner {
       }
       given[name] = linkedValue(value, link.cause + ", " + name, values_of);
     }
-    const InstalledTool& tool = tools_.require(kReferenceTool, {recipe_.file, "", "/report"});
+    const InstalledTool& tool = tools_.require(reference_.tool, {recipe_.file, "", "/report/reference/tool"});
     Json parameters = defaultParameters(tool.description);
     parameters.update(formats::checkParameters(tool.description, given, {recipe_.file, "", "/report/chain"}));
     return parameters;
   }
 
-  // A path-traced picture of the pack of the asset `scene`; `link`'s parameters that are "same_as" another
-  // are those of `values_of`. Its camera is that of the reference `truth`, as another mesh would be framed
-  // otherwise; without one, `scene` is the truth.
+  // What `wire` brings to the reference of the asset `scene`; nothing if there is no such file.
+  std::optional<Input> inputOf(const Wire& wire, const std::string& port, std::size_t scene, const View& view,
+                               std::optional<TaskIndex> truth) {
+    if (wire.stage == ReportRecipe::kTruth)
+      return truth ? std::optional(Input{.maker = truth, .port = wire.port}) : std::nullopt;
+    if (wire.stage == ReportRecipe::kView) {
+      const fs::path& file = wire.port == "lights" ? view.lights : view.environment;
+      return file.empty() ? std::nullopt : std::optional(Input{.port = wire.port, .file = file});
+    }
+    if (wire.fromAsset()) {
+      const auto* input = tools_.require(reference_.tool, {}).description.findInput(port);
+      return inputFrom(base_, wire.port, input == nullptr ? std::vector<std::string>() : input->parts);
+    }
+    return Input{.maker = tasks_.at({scene, wire.stage}), .port = wire.port};
+  }
+
+  // A path-traced picture of the asset `scene`; `link`'s parameters that are "same_as" another are those of
+  // `values_of`. Its camera is that of the reference `truth`, as another mesh would be framed otherwise;
+  // without one, `scene` is the truth.
   TaskIndex referenceTask(std::size_t scene, const ReportRecipe::Link& link, const View& view,
                           std::optional<TaskIndex> truth, std::size_t values_of) {
-    Task task{.asset = scene, .stage = view.name, .tool = kReferenceTool};
-    task.inputs["pack"] = {.maker = tasks_.at({scene, pack_.stage}), .port = pack_.port};
-    if (!view.environment.empty())
-      task.inputs["environment"] = {.port = "environment", .file = view.environment};
-    if (!view.lights.empty()) task.inputs["lights"] = {.port = "lights", .file = view.lights};
-    if (truth) task.inputs["framing"] = {.maker = truth, .port = "image"};
-    task.outputs["image"] = kReferenceFile;
+    Task task{.asset = scene, .stage = view.name, .tool = reference_.tool};
+    for (const auto& [port, wire] : wiresOf(link))
+      if (const auto input = inputOf(wire, port, scene, view, truth)) task.inputs[port] = *input;
+    task.outputs[reference_.output] = reference_.file;
     task.parameters = referenceParameters(link, view, values_of);
     task.published = !truth;
-    const std::string key =
-        std::to_string(scene) + view.name + (truth ? "" : " truth") + task.parameters.dump();
+    std::string key = std::to_string(scene) + view.name + (truth ? "" : " truth") + task.parameters.dump();
+    for (const auto& [port, input] : task.inputs) key += " " + port;
     const auto [known, is_new] = references_.emplace(key, sweep_.graph.tasks.size());
     if (is_new) {
       if (truth) task.stage = unusedStageName(scene, view.name + " (" + link.cause + ")");
@@ -346,15 +294,13 @@ class Planner {
       swept.frame = frame->second;
       sweep_.graph.tasks[frame->second].parameters.update(playersFrame(frame->second));
     }
-    // The variant's own values count, also where the pack that is traced has others.
-    const std::size_t values_of = wanted.links.empty() ? own : kept_[wanted.links.back()];
     for (std::size_t i = 0; i < chain_.size(); ++i) {
       Link link{.cause = chain_[i].cause, .references = {}};
       const std::size_t asset = kept_[wanted.links[i]];
       if (chain_[i].reference)
         for (std::size_t view = 0; view < sweep_.views.size(); ++view)
           link.references.push_back(
-              referenceTask(asset, chain_[i], sweep_.views[view], sweep_.truths[view], values_of));
+              referenceTask(asset, chain_[i], sweep_.views[view], sweep_.truths[view], own));
       else
         link.pack = tasks_.at({asset, pack_.stage});
       swept.chain.push_back(std::move(link));
@@ -380,11 +326,11 @@ class Planner {
   const ReportRecipe how_;
 
   Wire pack_;
+  ReportRecipe::Reference reference_;
   std::vector<ReportRecipe::Link> chain_;
-  std::vector<Setting> scene_;
   std::vector<Asset> wanted_;
   std::vector<std::size_t> kept_;  // by wanted: place in the graph's assets
-  std::size_t truth_wanted_ = 0, truth_ = 0;
+  std::size_t truth_wanted_ = 0;
   std::vector<Wanted> of_variant_;
   std::map<std::pair<std::size_t, std::string>, TaskIndex> tasks_;  // by asset and stage
   std::map<std::string, TaskIndex> references_;

@@ -5,12 +5,15 @@
 //   "pack", "frame"      what is measured: a stage's output; the stage that draws it with OpenGL
 //   "vary"               what varies unless somebody says it
 //   "frame_parameters"   of every picture; "cameras": by name, further parameters of the picture
-//   "same_scene"         parameters that change the scene itself, which a sweep must not
-//   "scene"              settings with which a pack is baked that is only path-traced: the cheapest
-//   "truth"              { "set": settings, "reference": parameters of the tool reference }
-//   "chain"              list of { "cause", "set", "reference" } from the truth to the variant. Links with
-//   "reference" are
-//                        path-traced on scene + set; the others are packs of the variant + set.
+//   "reference"          a stage that makes ground truth: tool, inputs and its one output, as other stages
+//   have
+//                        them; "view.environment", "view.lights" are the light that is looked at, and
+//                        "truth.OUTPUT" is the picture that the truth itself does not have
+//   "truth"              { "set": settings, "reference": parameters }
+//   "chain"              list of { "cause", "set", "reference", "inputs" } from the truth to the variant.
+//   Links
+//                        with "reference" are path-traced on what the variant + set makes of the reference's
+//                        inputs, of which the link may add some; the others are packs of the variant + set.
 // asset.json has a section "report", too: "lights" { name: file }, "cameras" and "vary", instead of the
 // recipe's.
 #pragma once

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "formats/file.h"
@@ -83,13 +84,46 @@ TEST_F(Sweep, ErrorOfTheReportCatchesABrokenDiffuseTransfer) {
 }
 
 TEST_F(Sweep, ErrorOfTheReportCatchesTurnedFramesOfGlossyTransfer) {
-  writeAsset(twoBodies(), {{"recipe", "glossy"},
-                           {"stages",
-                            {{"transfer", {{"storage", "matrix"}, {"albedo", {0.05, 0.05, 0.05}}}},
-                             {"pack", {{"specular_color", {0.9, 0.9, 0.9}}, {"roughness", 0.7}}}}}});
+  writeAsset(twoBodies(),
+             {{"recipe", "glossy"},
+              {"material",
+               {{"albedo", {0.05, 0.05, 0.05}},
+                {"reflection", {{"model", "ggx"}, {"specular_color", {0.9, 0.9, 0.9}}, {"roughness", 0.7}}}}},
+              {"stages", {{"transfer", {{"storage", "matrix"}}}}}});
   const double good = errorWith(kBin);
   EXPECT_LT(good, 0.2);
   EXPECT_GT(errorWithBroken("turned_frames"), 1.5 * good);
+}
+
+// Rough facets lose light that the lobe does not: all of that is the link from the physical picture to the
+// one that is traced with what the player has.
+TEST_F(Sweep, TheMaterialIsACauseOfItsOwn) {
+  writeAsset(twoBodies(),
+             {{"recipe", "glossy"},
+              {"material",
+               {{"albedo", {0.05, 0.05, 0.05}},
+                {"reflection", {{"model", "ggx"}, {"specular_color", {0.9, 0.9, 0.9}}, {"roughness", 0.8}}}}},
+              {"stages", {{"transfer", {{"storage", "matrix"}, {"transport", "shadowed"}}}}}});
+  const ShellOutcome swept = bakelight("sweep", "--vary pack.reflection=lobe,table");
+  ASSERT_EQ(swept.status, 0) << swept.output;
+  std::map<std::string, double> material;
+  const Json report = json("report.json");
+  for (const Json& variant : report.at("variants")) {
+    double sum = 0;
+    std::vector<std::string> causes;
+    for (const Json& cause : variant.at("causes")) {
+      causes.push_back(cause.at("cause"));
+      sum += cause.at("rel_rmse").get<double>();
+      if (causes.back() == "material") material[variant.at("name")] = cause.at("rel_rmse");
+    }
+    EXPECT_THAT(causes, testing::IsSupersetOf({"transport", "simplification", "material", "interpolation",
+                                               "sh_truncation", "directions", "storage"}));
+    EXPECT_GT(causes.size(), 3U);
+    EXPECT_EQ(causes[2], "material");
+    EXPECT_LE(variant.at("rel_rmse").get<double>(), sum + 0.01) << "steps add up to the whole way or more";
+  }
+  EXPECT_GT(material["reflection=lobe"], 0.2);
+  EXPECT_LT(material["reflection=table"], 0.04);
 }
 
 TEST_F(Sweep, ConvexBodyIsBakedWithoutRaysAndSaysSo) {
@@ -124,13 +158,13 @@ TEST_F(Sweep, BodiesThatShadeEachOtherKeepTheirRays) {
   EXPECT_FALSE(transfer.contains("left_out"));
 }
 
-TEST_F(Sweep, AlbedoIsThatOfTheTransferWithBouncesOrWithout) {
+TEST_F(Sweep, AlbedoIsThatOfTheMaterialWithBouncesOrWithout) {
   for (const char* transport : {"shadowed", "interreflected"}) {
-    writeAsset(twoBodies(),
-               {{"stages", {{"transfer", {{"transport", transport}, {"albedo", {0.25, 0.5, 0.125}}}}}}});
+    writeAsset(twoBodies(), {{"material", {{"albedo", {0.25, 0.5, 0.125}}}},
+                             {"stages", {{"transfer", {{"transport", transport}}}}}});
     const ShellOutcome ran = bakelight("run", "--deliver pack");
     ASSERT_EQ(ran.status, 0) << ran.output;
-    EXPECT_EQ(formats::readPack(folder_ / "out/bodies/bodies.glb").base_color, (Float3{0.25F, 0.5F, 0.125F}))
+    EXPECT_EQ(formats::readPack(folder_ / "out/bodies/bodies.glb").appearances[0].base_color, (Float3{0.25F, 0.5F, 0.125F}))
         << transport;
   }
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <variant>
 
 #include "transport/gauss_legendre.h"
 #include "transport/sh.h"
@@ -96,24 +97,28 @@ Brdf phong(const Vec3& diffuse_color, const Vec3& specular_color, double exponen
   };
 }
 
-Brdf ggx(const Vec3& diffuse_color, const Vec3& specular_color, double roughness) {
-  if (!(roughness > 0)) throw std::invalid_argument("ggx: a mirror has no BRDF");
-  const Vec3 diffuse = diffuse_color / kPi;
-  const double alpha2 = std::pow(roughness, 4);
-  return [=](const Vec3& incident, const Vec3& outgoing) -> Vec3 {
-    const Vec3 half = (incident + outgoing).normalized();
-    // 1 − (1 − α²) cos² of the half angle; the sine is exact near the peak, where the difference is not.
-    const double sine2 = half.x() * half.x() + half.y() * half.y();
-    const double fall = sine2 + alpha2 * half.z() * half.z();
-    const double distribution = alpha2 / (kPi * fall * fall);
-    const double in = std::max(incident.z(), 0.0), out = std::max(outgoing.z(), 0.0);
-    // Shadowing over 4 cos cos, finite at grazing angles but where both graze.
-    const double smith =
-        out * std::sqrt(alpha2 + (1 - alpha2) * in * in) + in * std::sqrt(alpha2 + (1 - alpha2) * out * out);
-    const double grazing = std::pow(1 - std::clamp(half.dot(incident), 0.0, 1.0), 5);
-    const Vec3 fresnel = specular_color + (Vec3::Ones() - specular_color) * grazing;
-    return diffuse + fresnel * (distribution * 0.5 / std::max(smith, 1e-300));
-  };
+Brdf ggx(const transport::Microfacets& facets) {
+  if (facets.isMirror()) throw std::invalid_argument("ggx: a mirror has no BRDF");
+  return [facets](const Vec3& incident, const Vec3& outgoing) { return facets.brdf(incident, outgoing); };
+}
+
+Brdf reflection(const formats::Reflection& reflection) {
+  if (const auto* phong = std::get_if<formats::PhongReflection>(&reflection)) {
+    const Vec3 color = transport::vec3(phong->specular_color);
+    return [color, exponent = phong->exponent](const Vec3& incident, const Vec3& outgoing) -> Vec3 {
+      const Vec3 mirrored(-outgoing.x(), -outgoing.y(), outgoing.z());
+      const double cosine = std::clamp(mirrored.dot(incident), 0.0, 1.0);
+      const double lobe = (exponent + 1) / (2 * kPi) * std::pow(cosine, exponent);
+      return color * (lobe / std::max(incident.z(), 1e-300));
+    };
+  }
+  if (const auto* microfacets = std::get_if<formats::GgxReflection>(&reflection))
+    return ggx(transport::Microfacets(transport::vec3(microfacets->specular_color),
+                                      std::max(microfacets->roughness, kSmallestRoughness),
+                                      microfacets->fresnel, microfacets->multiple_scattering));
+  if (std::holds_alternative<formats::TableReflection>(reflection))
+    throw std::invalid_argument("brdf::reflection: a table is a projection");
+  return [](const Vec3&, const Vec3&) -> Vec3 { return Vec3::Zero(); };
 }
 
 Projection project(const Brdf& brdf, int order, int angles, double tolerance) {

@@ -7,8 +7,9 @@
 #include <functional>
 #include <vector>
 
-#include "formats/pack_contents.h"
+#include "formats/material.h"
 #include "formats/tensors.h"
+#include "transport/microfacet.h"
 #include "transport/vector_types.h"
 
 namespace bakelight::brdf {
@@ -25,9 +26,14 @@ Brdf lambert(const Vec3& diffuse_color);
 // Lambert plus ρ_s (n + 2)/2π · max(cos α, 0)^n around the mirror direction: reciprocal and energy-conserving
 // where ρ_d + ρ_s ≤ 1 (Lafortune & Willems 1994). Exponent ≥ 0.
 Brdf phong(const Vec3& diffuse_color, const Vec3& specular_color, double exponent);
-// Lambert plus a microfacet lobe: GGX with alpha = roughness², height-correlated Smith shadowing, Schlick's
-// Fresnel term from `specular_color` at normal incidence (Walter et al. 2007; Heitz 2014). Roughness > 0.
-Brdf ggx(const Vec3& diffuse_color, const Vec3& specular_color, double roughness);
+// Microfacets. Not a mirror.
+Brdf ggx(const transport::Microfacets& facets);
+// What a material reflects besides its diffuse part, as `reference` traces it: nothing; Phong's lobe around
+// the mirror direction (which is not reciprocal: what it is divided by is the cosine of light); GGX by
+// microfacets of a roughness of at least kSmallestRoughness, from which up to ten bands do not tell a mirror.
+// Throws std::invalid_argument for a table, which is projected already.
+inline constexpr double kSmallestRoughness = 0.05;
+Brdf reflection(const formats::Reflection& reflection);
 
 struct Projection {
   formats::BrdfTable table;

@@ -1,44 +1,58 @@
-// brdf: an isotropic BRDF as a table of spherical harmonics, for pack --lobe table.
+// brdf: an isotropic BRDF as a table of spherical harmonics, for pack --reflection table.
 #include <filesystem>
+#include <variant>
 
 #include "formats/error.h"
 #include "formats/file.h"
+#include "formats/material.h"
 #include "tools/brdf/brdf.h"
 #include "tools/brdf/merl.h"
 #include "tools/stage/stage.h"
 
 using namespace bakelight;
 
+namespace {
+
+// Of materials that reflect at all: what they have alike.
+formats::Reflection reflectionOf(const std::filesystem::path& path) {
+  const formats::Materials materials = formats::readMaterialsOrDefault(path);
+  formats::Reflection common = materials.base.reflection;
+  for (const auto& [name, material] : materials.by_name) {
+    if (std::holds_alternative<formats::Lambert>(material.reflection)) continue;
+    if (!std::holds_alternative<formats::Lambert>(common) && material.reflection != common)
+      throw badInput({path.string(), "", formats::childPointer("/materials", name) + "/reflection"},
+                     "the materials reflect differently", "one reflection; albedos may differ");
+    common = material.reflection;
+  }
+  return common;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  std::filesystem::path merl_path, table_path;
-  std::string model = "ggx";
-  formats::Float3 diffuse_color = {0, 0, 0}, specular_color = {0.5f, 0.5f, 0.5f};
-  double roughness = 0.4, exponent = 20;
+  std::filesystem::path merl_path, material_path, table_path;
   int order = 5, angles = 32;
 
   stage::Tool tool("brdf", "Projects an isotropic BRDF times the cosine of light into spherical harmonics.");
-  tool.input("merl", "brdf", merl_path, "A .binary file of the MERL database, for model measured", false)
+  tool.input("material", "material", material_path, "Whose reflection is projected, without the diffuse part",
+             {.required = false, .parts = {"reflection"}})
+      .input("merl", "brdf", merl_path, "Instead: a .binary file of the MERL database, all of it", false)
       .output("table", "tensors", table_path, "safetensors file with the tensor \"brdf\"")
-      .parameter("model", model, {"ggx", "phong", "lambert", "measured"}, "What to project")
-      .parameter("diffuse_color", diffuse_color, {0, 1}, "", "Albedo of the Lambertian part of any model")
-      .parameter("specular_color", specular_color, {0, 1}, "",
-                 "Reflectance of the lobe; at normal incidence for ggx")
-      .parameter("roughness", roughness, {0.05, 1}, "", "Of ggx; alpha is its square")
-      .parameter("exponent", exponent, {0, 1e6}, "", "Of phong")
       .parameter("order", order, {1, 10}, "SH bands", "Order of the table, at least that of the pack's rows")
       .parameter("angles", angles, {2, 1024}, "", "Angles of the eye, in equal steps of the cosine");
+  for (const char* was : {"model", "diffuse_color", "specular_color", "roughness", "exponent"})
+    tool.retired(was,
+                 R"(--material FILE, with { "reflection": { "model": "ggx", "roughness": 0.4 } } in it)");
 
   return tool.run(argc, argv, [&](stage::Run& run) {
-    if ((model == "measured") == merl_path.empty())
-      throw badInput({merl_path.string(), "", "/model"},
-                     "model " + model + " does not go with what merl names",
-                     "a file for model measured, and none for the others", "change one of the two");
-    const transport::Vec3 diffuse = transport::vec3(diffuse_color),
-                          specular = transport::vec3(specular_color);
-    const brdf::Brdf source = model == "measured"  ? brdf::readMerl(formats::readFile(merl_path), merl_path)
-                              : model == "lambert" ? brdf::lambert(diffuse)
-                              : model == "phong"   ? brdf::phong(diffuse, specular, exponent)
-                                                   : brdf::ggx(diffuse, specular, roughness);
+    if (!material_path.empty() && !merl_path.empty())
+      throw badInput({merl_path.string(), "", ""}, "a material is given as well", "one of the two");
+    const formats::Reflection reflection = reflectionOf(material_path);
+    if (const auto* table = std::get_if<formats::TableReflection>(&reflection))
+      return formats::writeSafetensors(table_path, brdf::tensorFile(table->table));
+    const brdf::Brdf source = merl_path.empty()
+                                  ? brdf::reflection(reflection)
+                                  : brdf::readMerl(formats::readFile(merl_path), merl_path.string());
     const brdf::Projection projection = brdf::project(source, order, angles);
     formats::writeSafetensors(table_path, brdf::tensorFile(projection.table));
     double albedo = 0;

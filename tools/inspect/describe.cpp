@@ -228,6 +228,20 @@ std::vector<Section> describeTensors(const formats::TensorFile& file) {
   return sections;
 }
 
+std::vector<Section> describeMaterials(const formats::Materials& materials) {
+  const Json json = formats::toJson(materials);
+  const auto section = [](const std::string& title, const Json& material) {
+    Section described{title, {}, {}, {}};
+    flatten(material, "", described.figures);
+    return described;
+  };
+  std::vector<Section> sections = {section("material", json["material"])};
+  const Json named = memberOr(json, "materials", Json::object());
+  for (const auto& [name, material] : named.items())
+    sections.push_back(section("material_of_" + printable(name), material));
+  return sections;
+}
+
 std::vector<Section> describeRecord(const Json& json, const std::string& file) {
   if (memberOr(json, "stages", Json()).is_object() && json.contains("asset"))
     return describeAssetRecord(json);

@@ -8,6 +8,7 @@
 #include "formats/file.h"
 #include "formats/image.h"
 #include "formats/json.h"
+#include "formats/material.h"
 #include "formats/pack.h"
 #include "formats/tensors.h"
 #include "formats/triangle_mesh.h"
@@ -21,6 +22,7 @@ std::vector<Section> describeTensors(const formats::TensorFile& tensors);
 // `bytes` are the whole file that `pack` was read from.
 std::vector<Section> describePack(const formats::Pack& pack, std::span<const std::byte> bytes,
                                   const std::string& file);
+std::vector<Section> describeMaterials(const formats::Materials& materials);
 // A stage's stats.json or an asset's record.json. Throws Error(kBadInput) for any other JSON.
 std::vector<Section> describeRecord(const formats::Json& json, const std::string& file);
 

@@ -1,6 +1,7 @@
 #include "tools/inspect/file_kind.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +36,14 @@ bool isPack(const std::filesystem::path& path) {
   return text.starts_with("glTF") && text.find("BAKELIGHT_radiance_transfer") != std::string_view::npos;
 }
 
+// A record says which tool or asset it is of; a material has some of its own members, and it may be empty.
+bool isMaterial(const std::filesystem::path& path) {
+  const formats::Json json = formats::readJson(path);
+  if (!json.is_object() || json.contains("tool") || json.contains("asset")) return false;
+  const auto has = [&](const char* name) { return json.contains(name); };
+  return json.empty() || has("albedo") || has("reflection") || has("material") || has("materials");
+}
+
 }  // namespace
 
 const char* nameOf(FileKind kind) {
@@ -47,6 +56,8 @@ const char* nameOf(FileKind kind) {
       return "tensors";
     case FileKind::kPack:
       return "pack";
+    case FileKind::kMaterial:
+      return "material";
     case FileKind::kRecord:
       return "record";
   }
@@ -61,12 +72,13 @@ FileKind kindOfFile(const std::filesystem::path& path) {
   if (contains(formats::meshFileEndings(), ending)) return FileKind::kMesh;
   if (contains(imageEndings(), ending)) return FileKind::kImage;
   if (ending == ".safetensors") return FileKind::kTensors;
-  if (ending == ".json") return FileKind::kRecord;
+  if (ending == ".json") return isMaterial(path) ? FileKind::kMaterial : FileKind::kRecord;
   throw badInput({path.string(), "", ""},
                  ending.empty() ? "its name has no ending that says what it is"
                                 : "nothing here opens " + ending + " files",
                  "a mesh (" + listed(formats::meshFileEndings()) + "), an image (" + listed(imageEndings()) +
-                     "), .safetensors, a pack (.glb), or a stage's stats.json or an asset's record.json",
+                     "), .safetensors, a pack (.glb), a material (.json), or a stage's stats.json or an "
+                     "asset's record.json",
                  "give the file its usual ending");
 }
 

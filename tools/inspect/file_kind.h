@@ -5,9 +5,9 @@
 
 namespace bakelight::inspect {
 
-enum class FileKind { kMesh, kImage, kTensors, kPack, kRecord };
+enum class FileKind { kMesh, kImage, kTensors, kPack, kMaterial, kRecord };
 
-const char* nameOf(FileKind kind);  // "mesh", "image", "tensors", "pack", "record"
+const char* nameOf(FileKind kind);  // "mesh", "image", "tensors", "pack", "material", "record"
 
 // Throws Error(kBadInput) that lists what inspect opens, or that the file cannot be read.
 FileKind kindOfFile(const std::filesystem::path& path);

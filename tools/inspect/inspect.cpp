@@ -62,6 +62,13 @@ void inspectPack(const std::filesystem::path& path, const Options& options, Insp
     inspection.preview = previewPack(pack, *options, path.string());
 }
 
+void inspectMaterial(const std::filesystem::path& path, const Options& options, Inspection& inspection) {
+  inspection.summary.sections = describeMaterials(formats::readMaterials(path));
+  if (options)
+    throw badInput({path.string(), "", ""}, "a material alone has nothing to draw",
+                   "a mesh, image, tensors or pack", "leave out --preview");
+}
+
 void inspectRecord(const std::filesystem::path& path, const Options& options, Inspection& inspection) {
   inspection.summary.sections = describeRecord(formats::readJson(path), path.string());
   if (options)
@@ -89,6 +96,9 @@ Inspection inspectFile(const std::filesystem::path& path, const Options& preview
       break;
     case FileKind::kPack:
       inspectPack(path, preview, inspection);
+      break;
+    case FileKind::kMaterial:
+      inspectMaterial(path, preview, inspection);
       break;
     case FileKind::kRecord:
       inspectRecord(path, preview, inspection);

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 #include <utility>
+#include <variant>
 
 #include "formats/error.h"
 #include "formats/materials.h"
@@ -26,113 +27,116 @@ void requireSameMesh(const TensorSource& source, const formats::TriangleMesh& me
   throw source.error("metadata mesh_hash", "the transfer was baked for another mesh than " + mesh_file, hash);
 }
 
-void setBaseColor(formats::Pack& pack, const formats::Float3& color) {
-  for (formats::Appearance& appearance : pack.appearances) appearance.base_color = color;
-}
-
-// The albedo that interreflection was baked with, one for all or one a vertex; else the mesh's colours, else
-// what the pack has already.
-void takeAlbedo(const TensorSource& source, formats::Pack& pack) {
-  auto mesh_colors = std::exchange(pack.mesh.colors, {});  // a pack has them outside of its mesh
-  if (!source.has("albedo")) {
-    if (mesh_colors.empty()) return;
-    setBaseColor(pack, {1, 1, 1});
-    pack.colors = std::move(mesh_colors);
-    return;
-  }
+// That light was baked to bounce off the albedo that is shown, one for all or one a vertex.
+void requireSameAlbedo(const TensorSource& source, std::uint64_t vertices,
+                       const formats::SurfaceMaterials& material) {
+  if (!source.has("albedo")) return;
   const Tensor& tensor = source.tensor("albedo", 2);
-  const std::uint64_t rows = tensor.shape[0], vertices = pack.mesh.vertexCount();
+  const std::uint64_t rows = tensor.shape[0];
   if ((rows != 1 && rows != vertices) || tensor.shape[1] != 3) {
     throw source.error("tensor albedo", "its shape is " + shapeText(tensor.shape),
                        "1 × 3 or " + std::to_string(vertices) + " × 3, red, green and blue");
   }
   const auto values = tensor.as<float>();
-  if (rows == 1) {
-    setBaseColor(pack, {values[0], values[1], values[2]});
-    return;
-  }
-  setBaseColor(pack, {1, 1, 1});
-  pack.colors.resize(vertices);
-  std::memcpy(pack.colors.data(), values.data(), values.size_bytes());
+  const auto shown = [&](std::size_t vertex, std::size_t c) {
+    return material.vertex_albedo.empty() ? material.albedo[c] : material.vertex_albedo[vertex][c];
+  };
+  for (std::size_t vertex = 0; vertex < vertices; ++vertex)
+    for (std::size_t c = 0; c < 3; ++c)
+      if (values[(rows == 1 ? 0 : 3 * vertex) + c] != shown(vertex, c))
+        throw source.error("tensor albedo", "the transfer was baked with another albedo than the material's",
+                           "one material for both");
 }
 
-formats::BrdfTable brdfTable(const TensorFile& tensors, const std::string& file, int row_order) {
-  const TensorSource source(tensors, file, "make it with the brdf tool of this version");
-  source.requireText("basis", "real_sh_cartesian");
-  source.requireText("frame", "local");
-  source.requireText("cosine", "inside");
-  formats::BrdfTable table;
-  table.order = source.order("order");
-  if (table.order < row_order) {
-    throw source.error("metadata order", "it has fewer bands than the transferred radiance",
-                       std::to_string(row_order) + " or more");
-  }
-  const std::uint64_t angles = source.tensor("brdf", 3).shape[0];
-  const auto values =
-      source.tensor("brdf", {angles, 3, squared(table.order)}, "angles × red, green, blue × order²")
-          .as<float>();
-  table.angles = static_cast<int>(angles);
-  table.values.assign(values.begin(), values.end());
+void takeAlbedo(const formats::SurfaceMaterials& material, formats::Pack& pack) {
+  pack.mesh.colors.clear();  // a pack has them outside of its mesh
+  for (formats::Appearance& appearance : pack.appearances)
+    appearance.base_color = material.vertex_albedo.empty() ? material.albedo : formats::Float3{1, 1, 1};
+  pack.colors = material.vertex_albedo;
+}
+
+constexpr const char* kTable = "table";
+constexpr const char* kNone = "none";
+
+formats::BrdfTable tableFor(const formats::Reflection& reflection, int row_order, const TensorFile* brdf,
+                            const SourceNames& files) {
+  const auto* own = std::get_if<formats::TableReflection>(&reflection);
+  if (brdf == nullptr && own == nullptr)
+    throw badInput({"", "", "/brdf"}, "a table needs a projected BRDF", "a file of the brdf tool",
+                   "give it as input brdf");
+  const std::string file = brdf != nullptr ? files.brdf : own->file.string();
+  formats::BrdfTable table = brdf != nullptr ? formats::brdfTableFrom(*brdf, file) : own->table;
+  if (table.order < row_order)
+    throw badInput({file, "metadata order", ""}, "it has fewer bands than the transferred radiance",
+                   std::to_string(row_order) + " or more", "make it with the brdf tool of this version");
   return table;
 }
 
-void checkCombination(const std::string& lobe, bool is_glossy, bool has_brdf, const SourceNames& files) {
-  const std::vector<std::string>& known = lobeNames();
-  if (std::find(known.begin(), known.end(), lobe) == known.end())
-    throw badInput({"", "", "/lobe"}, "there is no lobe '" + lobe + "'", "none, phong, ggx or table");
-  const bool has_lobe = lobe != "none";
-  if (has_lobe && !is_glossy) {
-    throw badInput({files.transfer, "", "/lobe"}, "a lobe needs matrices, but this transfer is diffuse",
-                   "none with diffuse transfer",
-                   "bake with the transfer tool's technique glossy, or set lobe to none");
-  }
-  if (!has_lobe && is_glossy) {
-    throw badInput({files.transfer, "", "/lobe"},
-                   "this transfer is glossy, but without a lobe its matrices would never be used",
-                   "phong, ggx or table", "set lobe, or bake with the transfer tool's technique diffuse");
-  }
-  if (lobe == formats::BrdfTable::kKind && !has_brdf) {
-    throw badInput({"", "", "/brdf"}, "lobe table needs a projected BRDF", "a file of the brdf tool",
-                   "give it as input brdf");
-  }
-  if (lobe != formats::BrdfTable::kKind && has_brdf) {
-    throw badInput({files.brdf, "", "/brdf"}, "a BRDF table is of no use to lobe " + lobe, "lobe table",
-                   "set lobe to table, or leave out the input brdf");
-  }
-}
-
-formats::PackPart reflectionOf(const PackingOptions& options, const formats::ShTransfer& transfer,
-                               const TensorFile* brdf, const std::string& brdf_file) {
-  if (options.lobe == formats::PhongLobe::kKind)
-    return formats::PhongLobe{static_cast<float>(options.exponent), options.specular_color};
-  if (options.lobe == formats::GgxLobe::kKind)
-    return formats::GgxLobe{static_cast<float>(options.roughness), options.specular_color};
-  if (options.lobe == formats::BrdfTable::kKind)
-    return brdfTable(*brdf, brdf_file, transfer.glossy->output_order);
-  return formats::LambertReflection();
+formats::PackPart reflectionFor(const formats::Reflection& reflection, int output_order,
+                                const PackingOptions& options, const TensorFile* brdf,
+                                const SourceNames& files) {
+  if (options.reflection == kNone || std::holds_alternative<formats::Lambert>(reflection))
+    return formats::LambertReflection();
+  if (options.reflection != kTable && !std::holds_alternative<formats::TableReflection>(reflection))
+    return runtimeLobe(reflection);
+  if (options.material.only() == nullptr && !std::holds_alternative<formats::TableReflection>(reflection))
+    throw badInput({files.material, "", "/materials"},
+                   "its materials reflect differently, and there is one projected table",
+                   "reflection lobe, tables in the materials themselves, or the same reflection for all");
+  return tableFor(reflection, output_order, brdf, files);
 }
 
 // One for each material that a triangle has; one without a name for a mesh that tells none apart.
-std::vector<formats::Appearance> appearancesOf(formats::TriangleMesh& mesh) {
+std::vector<formats::Appearance> appearancesOf(formats::TriangleMesh& mesh, const PackingOptions& options,
+                                               int output_order, const TensorFile* brdf,
+                                               const SourceNames& files) {
+  const formats::SurfaceMaterials& material = options.material;
+  const auto reflectionAt = [&](std::size_t triangle) {
+    const std::size_t index = material.of_triangle.empty() ? 0 : material.of_triangle[triangle];
+    return reflectionFor(material.reflections[index], output_order, options, brdf, files);
+  };
   std::vector<formats::Appearance> appearances;
   const std::vector<std::size_t> triangles = formats::trianglesOfMaterials(mesh);
   std::vector<std::uint32_t> index_of(triangles.size());
   for (std::size_t m = 0; m < triangles.size(); ++m) {
     if (triangles[m] == 0) continue;
+    const auto first = std::find(mesh.triangle_materials.begin(), mesh.triangle_materials.end(), m);
     index_of[m] = static_cast<std::uint32_t>(appearances.size());
-    appearances.push_back({.material = mesh.material_names[m]});
+    appearances.push_back({mesh.material_names[m],
+                           {1, 1, 1},
+                           reflectionAt(static_cast<std::size_t>(first - mesh.triangle_materials.begin()))});
   }
-  if (appearances.empty()) appearances.emplace_back();
+  if (appearances.empty()) appearances.push_back({"", {1, 1, 1}, reflectionAt(0)});
   if (appearances.size() == 1) {
     mesh.triangle_materials.clear();
     mesh.material_names.clear();
     return appearances;
   }
-  for (std::uint32_t& material : mesh.triangle_materials) material = index_of[material];
+  for (std::uint32_t& index : mesh.triangle_materials) index = index_of[index];
   mesh.material_names.clear();
   for (const formats::Appearance& appearance : appearances)
     mesh.material_names.push_back(appearance.material);
   return appearances;
+}
+
+void checkCombination(const formats::Pack& pack, const SourceNames& files) {
+  const bool has_reflection =
+      std::any_of(pack.appearances.begin(), pack.appearances.end(), [](const formats::Appearance& appearance) {
+        return appearance.reflection.as<formats::LambertReflection>() == nullptr;
+      });
+  const bool is_glossy = pack.sh().glossy.has_value();
+  if (has_reflection && !is_glossy) {
+    throw badInput({files.transfer, "", "/reflection"},
+                   "a glossy reflection needs matrices, but this transfer is diffuse",
+                   "a material without one, or reflection none",
+                   "bake with the transfer tool's technique glossy, as the recipe glossy does");
+  }
+  if (!has_reflection && is_glossy) {
+    throw badInput({files.transfer, "", "/reflection"},
+                   "this transfer is glossy, but without a reflection its matrices would never be used",
+                   "a material with a reflection",
+                   "give it one, or bake with the transfer tool's technique diffuse");
+  }
 }
 
 void checkBits(int bits, int least, const char* pointer) {
@@ -154,9 +158,8 @@ double relativeError(const EncodedTable& table, std::span<const float> original)
 
 }  // namespace
 
-const std::vector<std::string>& lobeNames() {
-  static const std::vector<std::string> names = {"none", formats::PhongLobe::kKind, formats::GgxLobe::kKind,
-                                                 formats::BrdfTable::kKind};
+const std::vector<std::string>& reflectionNames() {
+  static const std::vector<std::string> names = {"lobe", kTable, kNone};
   return names;
 }
 
@@ -166,13 +169,12 @@ formats::Pack assemblePack(formats::TriangleMesh mesh, const TensorFile& transfe
                             "bake it again, for this mesh and by the transfer tool of this version");
   formats::ShTransfer read = readTransfer(source, mesh.vertexCount(), options.precision);
   requireSameMesh(source, mesh, files.mesh);
-  checkCombination(options.lobe, read.glossy.has_value(), brdf != nullptr, files);
-  const formats::PackPart reflection = reflectionOf(options, read, brdf, files.brdf);
-  std::vector<formats::Appearance> appearances = appearancesOf(mesh);
-  for (formats::Appearance& appearance : appearances) appearance.reflection = reflection;
+  requireSameAlbedo(source, mesh.vertexCount(), options.material);
+  const int output_order = read.glossy ? read.glossy->output_order : 0;
+  std::vector<formats::Appearance> appearances = appearancesOf(mesh, options, output_order, brdf, files);
   formats::Pack pack{options.name, std::move(mesh), {}, std::move(read), std::move(appearances)};
-  setBaseColor(pack, options.albedo);
-  takeAlbedo(source, pack);
+  takeAlbedo(options.material, pack);
+  checkCombination(pack, files);
   return pack;
 }
 

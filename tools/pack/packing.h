@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/material.h"
 #include "formats/pack.h"
 #include "formats/tensors.h"
 #include "formats/triangle_mesh.h"
@@ -13,32 +14,29 @@ namespace bakelight::packing {
 
 // What the stage's files are called, for errors.
 struct SourceNames {
-  std::string mesh, transfer, brdf;
+  std::string mesh, transfer, brdf, material = "material.json";
 };
 
 struct PackingOptions {
   std::string name = "asset";
-  // Unless the transfer file has the albedo that it was baked with, or else the mesh has colours.
-  formats::Float3 albedo = {0.8F, 0.8F, 0.8F};
+  formats::SurfaceMaterials material;  // of the mesh
   // Of matrices, visibility vectors or weights. The basis of cpca gets half floats instead of 8-bit codes:
   // it is small, and its errors would show at every vertex. Diffuse vectors stay floats.
   formats::Precision precision = formats::Precision::kFloat32;
-  std::string lobe = "none";                            // one of lobeNames()
-  double exponent = 32;                                 // phong, ≥ 0
-  double roughness = 0.3;                               // ggx, 0–1
-  formats::Float3 specular_color = {0.2F, 0.2F, 0.2F};  // phong and ggx, 0–1
+  // How the material's glossy reflection is shown: "lobe", symmetric around the mirror direction; "table", as
+  // the brdf tool projected it; "none", not at all.
+  std::string reflection = "lobe";
 };
 
-// "none", "phong", "ggx", "table".
-const std::vector<std::string>& lobeNames();
+const std::vector<std::string>& reflectionNames();
 
 // `transfer` is the transfer stage's file and `brdf` (null without one) the brdf tool's; docs/FORMATS.md has
 // both. Throws Error(kBadInput) naming tensor or key if one says something that a pack of this version cannot
-// hold, if a shape does not fit the mesh, or if it was baked for another mesh; at /lobe or /brdf if lobe,
-// transfer and table do not go together: a lobe needs matrices, matrices need a lobe, and a table is read for
-// lobe "table" only. There is an appearance for each material that a triangle has; vertices stay as the
-// transfer file has them, to be put in order by orderByMaterial. The pack itself is judged by
-// formats::encodePack.
+// hold, if a shape does not fit the mesh, or if it was baked for another mesh or another albedo than the
+// material's; at /reflection or /brdf if reflection, transfer and table do not go together: a reflection needs
+// matrices, matrices need a reflection, and "table" needs `brdf`, which is one for all materials, or materials
+// that are tables. There is an appearance for each material that a triangle has; vertices stay as the transfer
+// file has them, to be put in order by orderByMaterial. The pack itself is judged by formats::encodePack.
 formats::Pack assemblePack(formats::TriangleMesh mesh, const formats::TensorFile& transfer,
                            const formats::TensorFile* brdf, const PackingOptions& options,
                            const SourceNames& files);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <variant>
 
 #include "tools/pack/packing.h"
 
@@ -32,7 +33,25 @@ bool reflectsTooMuch(const formats::Pack& pack) {
   return false;
 }
 
+bool lobeLeavesOut(const formats::SurfaceMaterials& material) {
+  return std::any_of(material.reflections.begin(), material.reflections.end(), [](const auto& reflection) {
+    const auto* ggx = std::get_if<formats::GgxReflection>(&reflection);
+    return ggx != nullptr && (ggx->fresnel || ggx->multiple_scattering);
+  });
+}
+
 }  // namespace
+
+void warnOfLobe(const formats::Pack& pack, const formats::SurfaceMaterials& material, stage::Run& run) {
+  const bool has_lobe =
+      std::any_of(pack.appearances.begin(), pack.appearances.end(), [](const formats::Appearance& appearance) {
+        return appearance.reflection.as<formats::GgxLobe>() != nullptr;
+      });
+  if (has_lobe && lobeLeavesOut(material))
+    run.warn(
+        "a lobe has neither Fresnel's term nor multiple scattering, which the material has; reflection "
+        "table has both");
+}
 
 void report(const formats::Pack& pack, const formats::TensorFile& transfer, std::span<const std::byte> bytes,
             const std::string& file, stage::Run& run) {
@@ -51,9 +70,7 @@ void report(const formats::Pack& pack, const formats::TensorFile& transfer, std:
   const auto& glossy = pack.sh().glossy;
   run.stat("storage", glossy ? glossy->operatorName() : "none");
   run.stat("materials", written.appearances.size());
-  run.stat("albedo_source", transfer.tensors.contains("albedo") ? "transfer"
-                            : pack.colors.empty()               ? "parameter"
-                                                                : "mesh");
+  run.stat("albedo_source", pack.colors.empty() ? "material" : "vertices");
   if (glossy) run.stat("precision_error", precisionErrors(pack, transfer));
   if (reflectsTooMuch(pack)) {
     run.warn("albedo and specular_color add up to more than 1: the object reflects more light than it gets");

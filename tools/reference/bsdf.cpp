@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "formats/error.h"
 #include "transport/glossy.h"
 #include "transport/sh.h"
 
@@ -79,57 +80,106 @@ double Lobe::sampleOneMinusCosine(double number) const {
   return u;
 }
 
-Material::Material(const formats::PackPart& reflection) : lobe_(Lobe::ggx(0)) {
-  const auto* phong = reflection.as<formats::PhongLobe>();
-  const auto* ggx = reflection.as<formats::GgxLobe>();
-  has_lobe_ = phong != nullptr || ggx != nullptr;
-  if (phong != nullptr) lobe_ = Lobe::phong(phong->exponent);
-  if (ggx != nullptr) lobe_ = Lobe::ggx(ggx->roughness);
-  if (has_lobe_)
-    specular_color_ = transport::vec3(phong != nullptr ? phong->specular_color : ggx->specular_color);
-  if (const auto* table = reflection.as<formats::BrdfTable>()) table_ = *table;
+const std::vector<std::string>& reflectionModelNames() {
+  static const std::vector<std::string> kNames = {"physical", "lobe", "table", "none"};
+  return kNames;
 }
 
-Bsdf::Bsdf(const Material& material, const Rgb& albedo, const Vec3& normal, const Vec3& outgoing, bool glossy)
+Glossy glossyOf(const formats::Reflection& reflection, ReflectionModel model,
+                const std::optional<formats::BrdfTable>& table) {
+  if (model == ReflectionModel::kNone) return {};
+  const auto* own = std::get_if<formats::TableReflection>(&reflection);
+  if (model == ReflectionModel::kTable && own == nullptr) {
+    if (!table)
+      throw badInput({"", "", "/reflection"}, "a table needs a projected BRDF", "a file of the brdf tool",
+                     "give it as input brdf");
+    return *table;
+  }
+  if (own != nullptr) return own->table;
+  const auto* ggx = std::get_if<formats::GgxReflection>(&reflection);
+  if (ggx != nullptr && model == ReflectionModel::kPhysical)
+    return transport::Microfacets(transport::vec3(ggx->specular_color), ggx->roughness, ggx->fresnel,
+                                  ggx->multiple_scattering);
+  const formats::PackPart lobe = formats::runtimeLobe(reflection);
+  if (const auto* phong = lobe.as<formats::PhongLobe>())
+    return TintedLobe{Lobe::phong(phong->exponent), transport::vec3(phong->specular_color)};
+  if (const auto* symmetric = lobe.as<formats::GgxLobe>())
+    return TintedLobe{Lobe::ggx(symmetric->roughness), transport::vec3(symmetric->specular_color)};
+  return {};
+}
+
+Bsdf::Bsdf(const Glossy* glossy, const Rgb& albedo, const Vec3& normal, const Vec3& outgoing)
     : albedo_(albedo), normal_(normal) {
   // Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
   const double sign = std::copysign(1.0, normal.z()), a = -1 / (sign + normal.z());
   const double b = normal.x() * normal.y() * a;
   tangent_ = Vec3(1 + sign * normal.x() * normal.x() * a, sign * b, -sign * normal.x());
   bitangent_ = Vec3(b, sign + normal.y() * normal.y() * a, -normal.y());
-  if (!glossy) return;
+  if (glossy == nullptr) return;
 
-  lobe_ = material.lobe();
-  if (lobe_ != nullptr) {
-    specular_color_ = material.specularColor();
+  lobe_ = std::get_if<TintedLobe>(glossy);
+  facets_ = std::get_if<transport::Microfacets>(glossy);
+  if (lobe_ != nullptr || facets_ != nullptr) {
     const double cosine = normal.dot(outgoing);
     reflection_ = (cosine + std::abs(cosine)) * normal - outgoing;
-    const double diffuse = luminanceOf(albedo), specular = luminanceOf(specular_color_);
+    local_eye_ = local(outgoing);
+    local_eye_.z() = std::abs(local_eye_.z());
+    const Power reflected = power();
+    const double diffuse = luminanceOf(albedo + reflected.diffuse), specular = luminanceOf(reflected.glossy);
     diffuse_share_ = diffuse + specular > 0 ? diffuse / (diffuse + specular) : 1;
   }
-  if (const formats::BrdfTable* table = material.table()) {
+  if (const auto* table = std::get_if<formats::BrdfTable>(glossy)) {
     table_order_ = table->order;
     table_rows_.resize(3 * transport::coefficientCount(table->order));
-    const Vec3 local(tangent_.dot(outgoing), bitangent_.dot(outgoing), normal.dot(outgoing));
-    transport::tableRows(*table, local, table->order, table_rows_);
+    transport::tableRows(*table, local(outgoing), table->order, table_rows_);
   }
+}
+
+Vec3 Bsdf::local(const Vec3& direction) const {
+  return {tangent_.dot(direction), bitangent_.dot(direction), normal_.dot(direction)};
+}
+
+Vec3 Bsdf::world(const Vec3& local) const {
+  return local.x() * tangent_ + local.y() * bitangent_ + local.z() * normal_;
+}
+
+bool Bsdf::isMirror() const {
+  return lobe_ != nullptr ? lobe_->lobe.isMirror() : facets_ != nullptr && facets_->isMirror();
+}
+
+Bsdf::Power Bsdf::power() const {
+  if (lobe_ != nullptr) return {lobe_->color, Rgb::Zero()};
+  const Rgb facet = facets_->facetReflectance(local_eye_.z());
+  if (!facets_->scattersMultiply()) return {facet, Rgb::Zero()};
+  const double single = std::min(facets_->singleAlbedo(local_eye_.z()), 1.0);
+  return {single * facet, (1 - single) * facets_->multipleColor().array()};
 }
 
 Rgb Bsdf::value(const Vec3& incoming) const {
   const double cosine = normal_.dot(incoming);
   if (cosine <= 0) return Rgb::Zero();
   Rgb value = albedo_ * (cosine / kPi);
-  if (lobe_ != nullptr && !lobe_->isMirror())
-    value += specular_color_ * lobe_->valuePerSr(reflection_.dot(incoming));
+  if (!isMirror()) value += glossyValue(incoming);
   if (!table_rows_.empty()) value += tableValue(incoming);
   return value;
+}
+
+Rgb Bsdf::glossyValue(const Vec3& incoming) const {
+  if (lobe_ != nullptr) return lobe_->color * lobe_->lobe.valuePerSr(reflection_.dot(incoming));
+  if (facets_ == nullptr) return Rgb::Zero();
+  const Vec3 from = local(incoming);
+  return facets_->brdf(from, local_eye_).array() * from.z();
+}
+
+double Bsdf::glossyDensity(const Vec3& incoming) const {
+  if (lobe_ != nullptr) return lobe_->lobe.valuePerSr(reflection_.dot(incoming));
+  return facets_ == nullptr ? 0 : facets_->densityPerSr(local(incoming), local_eye_);
 }
 
 Rgb Bsdf::tableValue(const Vec3& incoming) const {
   std::array<double, transport::kMaxEvaluatedOrder * transport::kMaxEvaluatedOrder> basis;
   const auto count = static_cast<std::size_t>(transport::coefficientCount(table_order_));
-  const Vec3 local(tangent_.dot(incoming), bitangent_.dot(incoming), normal_.dot(incoming));
-  transport::evaluateSh(table_order_, local, std::span(basis).first(count));
+  transport::evaluateSh(table_order_, local(incoming), std::span(basis).first(count));
   Rgb value = Rgb::Zero();
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t i = 0; i < count; ++i)
@@ -141,14 +191,14 @@ double Bsdf::densityPerSr(const Vec3& incoming) const {
   const double cosine = normal_.dot(incoming);
   if (cosine <= 0) return 0;
   double density = diffuse_share_ * cosine / kPi;
-  if (lobe_ != nullptr && !lobe_->isMirror())
-    density += (1 - diffuse_share_) * lobe_->valuePerSr(reflection_.dot(incoming));
+  if (!isMirror()) density += (1 - diffuse_share_) * glossyDensity(incoming);
   return density;
 }
 
 Bsdf::Sample Bsdf::mirrorSample() const {
   // The reflection of a grazing eye is never below the surface, except by a rounding.
-  return {reflection_, specular_color_ / (1 - diffuse_share_), 0};
+  const Rgb reflected = lobe_ != nullptr ? lobe_->color : Rgb(facets_->facetReflectance(local_eye_.z()));
+  return {reflection_, reflected / (1 - diffuse_share_), 0};
 }
 
 Bsdf::Sample Bsdf::sample(double choice, double u, double v) const {
@@ -158,9 +208,13 @@ Bsdf::Sample Bsdf::sample(double choice, double u, double v) const {
     const double radius = std::sqrt(u);
     sample.incoming = radius * std::cos(turn) * tangent_ + radius * std::sin(turn) * bitangent_ +
                       std::sqrt(std::max(0.0, 1 - u)) * normal_;
+  } else if (isMirror()) {
+    return mirrorSample();
+  } else if (facets_ != nullptr) {
+    sample.incoming = world(facets_->sampleIncident(local_eye_, u, v));
   } else {
-    if (lobe_->isMirror()) return mirrorSample();
-    const double drop = lobe_->sampleOneMinusCosine(u), sine = std::sqrt(std::max(0.0, drop * (2 - drop)));
+    const double drop = lobe_->lobe.sampleOneMinusCosine(u),
+                 sine = std::sqrt(std::max(0.0, drop * (2 - drop)));
     const Vec3 right = reflection_.unitOrthogonal(), up = reflection_.cross(right);
     sample.incoming = (1 - drop) * reflection_ + sine * (std::cos(turn) * right + std::sin(turn) * up);
   }
@@ -171,7 +225,7 @@ Bsdf::Sample Bsdf::sample(double choice, double u, double v) const {
 }
 
 Bsdf::Sample Bsdf::sampleUniformly(double choice, double u, double v) const {
-  const bool has_mirror = lobe_ != nullptr && lobe_->isMirror();
+  const bool has_mirror = isMirror();
   if (has_mirror && choice >= diffuse_share_) return mirrorSample();
   const double share = has_mirror ? diffuse_share_ : 1, radius = std::sqrt(u * (2 - u)), turn = 2 * kPi * v;
   Sample sample;

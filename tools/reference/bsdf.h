@@ -1,11 +1,15 @@
-// How a surface point reflects: the player's materials (docs/RUNTIME.md) without spherical harmonics, except
-// for BRDF tables, which are made of them.
+// How a surface point reflects: physically, or as the player does (docs/RUNTIME.md) without spherical
+// harmonics, except for BRDF tables, which are made of them.
 #pragma once
 
+#include <optional>
+#include <string>
+#include <variant>
 #include <vector>
 
-#include "formats/pack_contents.h"
+#include "formats/material.h"
 #include "transport/distant_light_sampler.h"
+#include "transport/microfacet.h"
 
 namespace bakelight::reference {
 
@@ -37,29 +41,35 @@ class Lobe {
   double ggx_norm_ = 1;  // ∫₀¹ (1 − u)/(1 + bu)² du
 };
 
-// All that does not change over a surface.
-class Material {
- public:
-  explicit Material(const formats::PackPart& reflection);
-
-  const formats::BrdfTable* table() const { return table_.order > 0 ? &table_ : nullptr; }
-  const Lobe* lobe() const { return has_lobe_ ? &lobe_ : nullptr; }
-  const Rgb& specularColor() const { return specular_color_; }
-
- private:
-  bool has_lobe_ = false;
-  Lobe lobe_;
-  Rgb specular_color_ = Rgb::Zero();
-  formats::BrdfTable table_;  // order 0 without
+// What a material's reflection is taken for.
+enum class ReflectionModel {
+  kPhysical,  // GGX: microfacets
+  kLobe,      // GGX: the player's lobe around the mirror direction
+  kTable,     // a table of the tool brdf
+  kNone       // left out: the diffuse part alone
 };
+// "physical", "lobe", "table", "none", in the order of the enumerators: all but the first as in packs.
+const std::vector<std::string>& reflectionModelNames();
+
+struct TintedLobe {
+  Lobe lobe;
+  Rgb color;
+};
+
+// What a surface has besides its diffuse part; nothing, or one of these. Phong is its lobe in all models, and
+// a reflection that is a table stays that one.
+using Glossy = std::variant<std::monostate, TintedLobe, transport::Microfacets, formats::BrdfTable>;
+// `table`: with kTable, for reflections that are none themselves. Throws Error(kBadInput) if it is missing.
+Glossy glossyOf(const formats::Reflection& reflection, ReflectionModel model,
+                const std::optional<formats::BrdfTable>& table);
 
 // Reflection at one point towards one direction. Radiance towards the eye is ∫ value(s) L(s) ds over the
 // hemisphere around the normal: a cosine is inside where there is one.
 class Bsdf {
  public:
-  // `outgoing` is unit; below the surface it counts as mirrored above it. `glossy`: with lobe or table, else
-  // the diffuse part alone.
-  Bsdf(const Material& material, const Rgb& albedo, const Vec3& normal, const Vec3& outgoing, bool glossy);
+  // `outgoing` is unit; below the surface it counts as mirrored above it. Keeps a reference to `glossy`;
+  // null: the diffuse part alone.
+  Bsdf(const Glossy* glossy, const Rgb& albedo, const Vec3& normal, const Vec3& outgoing);
 
   // Per steradian; zero below the surface. Without a mirror's delta.
   Rgb value(const Vec3& incoming) const;
@@ -70,20 +80,31 @@ class Bsdf {
     Rgb weight;             // value ÷ density
     double density_per_sr;  // 0 for a mirror's direction
   };
-  // By reflected power of diffuse part and lobe, each by its own distribution. Black surfaces and directions
-  // below the surface have weight 0.
+  // By reflected power of diffuse part (with what facets scatter several times) and lobe or facets, each by
+  // its own distribution. Black surfaces and directions below the surface have weight 0.
   Sample sample(double choice, double u, double v) const;
   // The same integral by directions uniform over the hemisphere (a mirror's but for its own).
   Sample sampleUniformly(double choice, double u, double v) const;
 
  private:
+  Vec3 local(const Vec3& direction) const;
+  Vec3 world(const Vec3& local) const;
+  bool isMirror() const;
+  Rgb glossyValue(const Vec3& incoming) const;  // with the cosine; without a mirror's delta
+  double glossyDensity(const Vec3& incoming) const;
   Rgb tableValue(const Vec3& incoming) const;
   Sample mirrorSample() const;
+  // Of the glossy part: its own reflectance, and that of what it scatters like a diffuse one, seen from here.
+  struct Power {
+    Rgb glossy = Rgb::Zero(), diffuse = Rgb::Zero();
+  };
+  Power power() const;
 
   Rgb albedo_;
   Vec3 normal_, tangent_, bitangent_, reflection_;
-  const Lobe* lobe_ = nullptr;
-  Rgb specular_color_ = Rgb::Zero();
+  Vec3 local_eye_;  // above the surface
+  const TintedLobe* lobe_ = nullptr;
+  const transport::Microfacets* facets_ = nullptr;
   double diffuse_share_ = 1;        // of samples
   std::vector<double> table_rows_;  // 3 × order²; empty without
   int table_order_ = 0;

@@ -1,9 +1,10 @@
-// reference: the picture that the player shows, path-traced without approximations, with its variance.
+// reference: the picture of a mesh and its material, path-traced without approximations, with its variance.
 #include <algorithm>
 #include <filesystem>
 
 #include "formats/light_rig_file.h"
-#include "formats/pack.h"
+#include "formats/material.h"
+#include "formats/mesh_ply.h"
 #include "tools/reference/reference.h"
 #include "tools/stage/frame_options.h"
 #include "transport/ray_scene.h"
@@ -11,21 +12,29 @@
 using namespace bakelight;
 
 int main(int argc, char** argv) {
-  std::filesystem::path pack_path, environment_path, lights_path, framing_path, image_path;
-  std::string background = "environment", transport_name = "full", integrator = "mis", at = "pixels";
+  std::filesystem::path mesh_path, material_path, brdf_path, environment_path, lights_path, framing_path,
+      image_path;
+  std::string background = "environment", transport_name = "full", integrator = "mis", at = "pixels",
+              model = "physical";
   reference::Options options;
 
-  stage::Tool tool("reference", "Path-traces the picture that the player shows of a pack: ground truth.");
-  tool.input("pack", "pack", pack_path, "mesh, colours and material are taken from it, its transfer is not")
+  stage::Tool tool("reference",
+                   "Path-traces the picture that the player shows of a mesh and its material: ground truth.");
+  tool.input("mesh", "mesh", mesh_path, "PLY mesh with normals, as simplify writes it")
+      .input("material", "material", material_path,
+             "what it is made of; without it: its colours, or grey, and no glossy reflection", false)
+      .input("brdf", "tensors", brdf_path, "with reflection table: file of the brdf tool", false)
       .input("environment", "image", environment_path,
              "lat-long HDR light; without it and lights: a soft key light", false)
       .input("lights", "light_rig", lights_path, "light rig: distant lights and emitters; adds up", false)
       .input("framing", "image", framing_path,
-             "a picture of this tool, whose mesh the camera frames in place of the pack's own", false)
+             "a picture of this tool, whose mesh the camera frames in place of this one", false)
       .output("image", "image", image_path,
               "EXR, 32-bit floats: R, G, B, A (linear, premultiplied) and variance.R, .G, .B of the means");
   stage::declareFrame(tool, options.frame, background);
-  tool.parameter("transport", transport_name, reference::transportNames(),
+  tool.parameter("reflection", model, reference::reflectionModelNames(),
+                 "physical: ggx by microfacets; lobe, table, none: as a pack's parameter of that name says")
+      .parameter("transport", transport_name, reference::transportNames(),
                  "interreflected: bounces are diffuse, as in a bake; shadowed and unshadowed: direct light")
       .parameter("bounces", options.paths.bounces, {0, 1000}, "",
                  "most reflections between surfaces; 0 is no limit")
@@ -56,10 +65,15 @@ int main(int argc, char** argv) {
       bounds = reference::boundsFromMetadata(formats::readImageMetadata(framing_path), framing_path.string());
     const formats::LightRig rig = formats::readLights(environment_path, lights_path);
     for (const std::string& note : formats::notesOn(rig)) run.warn(note);
-    const formats::Pack pack = formats::readPack(pack_path);
-    transport::requireTraceableScale(pack.mesh, pack_path.string());
+    reference::Surface surface{formats::readPly(mesh_path), {}};
+    transport::requireTraceableScale(surface.mesh, mesh_path.string());
+    surface.model =
+        static_cast<reference::ReflectionModel>(indexOf(reference::reflectionModelNames(), model));
+    if (!brdf_path.empty()) surface.table = formats::readBrdfTable(brdf_path);
+    surface.material = formats::materialsOn(surface.mesh, formats::readMaterialsOrDefault(material_path),
+                                            mesh_path.string(), material_path.string());
     const reference::Reference result =
-        reference::makeReference(pack, rig, options, bounds, run.progressStyle());
+        reference::makeReference(surface, rig, options, bounds, run.progressStyle());
     formats::writeExr(image_path, result.picture.image, formats::ExrPrecision::kFloat, result.metadata);
     reference::reportStats(run, result.picture, options);
   });

@@ -113,7 +113,8 @@ Rgb PathTracer::exitRadiance(const ShadingPoint& point, const Vec3& outgoing, co
   Vec3 towards_eye = outgoing;
   while (true) {
     const bool glossy = vertex.depth == 0 || options_.transport == Transport::kFull;
-    const Bsdf bsdf(scene_.material(), vertex.point.albedo, vertex.point.normal, towards_eye, glossy);
+    const Bsdf bsdf(glossy ? &scene_.material(vertex.point.material) : nullptr, vertex.point.albedo,
+                    vertex.point.normal, towards_eye);
     radiance += throughput * directLight(vertex, bsdf, rays);
 
     const auto [u, v] = vertex.pair(kReflection);

@@ -1,6 +1,5 @@
 #include "tools/reference/reference.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -26,8 +25,7 @@ std::string text(const Vec3& v) {
 }
 
 // As the player draws it.
-transport::Backdrop backdropOf(const formats::Pack& pack, const formats::LightRig& rig,
-                               const formats::FrameSettings& frame) {
+transport::Backdrop backdropOf(const formats::LightRig& rig, const formats::FrameSettings& frame) {
   switch (frame.background) {
     case formats::Background::kTransparent:
       return [](const Vec3&) -> formats::Float4 { return {0, 0, 0, 0}; };
@@ -36,7 +34,7 @@ transport::Backdrop backdropOf(const formats::Pack& pack, const formats::LightRi
     case formats::Background::kEnvironment:
       break;
   }
-  transport::Lighting lighting = transport::lightingFor(rig, std::max(pack.sh().order, 1), "lights");
+  transport::Lighting lighting = transport::lightingFor(rig, 1, "lights");
   return [image = std::move(lighting.backdrop),
           light_from_world = Eigen::Matrix3d(transport::worldFromLight(frame).transpose())](
              const Vec3& direction) -> formats::Float4 {
@@ -45,7 +43,8 @@ transport::Backdrop backdropOf(const formats::Pack& pack, const formats::LightRi
   };
 }
 
-std::map<std::string, std::string> metadataOf(const Options& options, const transport::OrbitCamera& camera,
+std::map<std::string, std::string> metadataOf(const Options& options, ReflectionModel model,
+                                              const transport::OrbitCamera& camera,
                                               const BoundingSphere& bounds, const RoundsReport& report) {
   const auto word = [](const std::vector<std::string>& names, auto value) {
     return names[static_cast<std::size_t>(value)];
@@ -56,6 +55,7 @@ std::map<std::string, std::string> metadataOf(const Options& options, const tran
           {"bakelight:fov_deg", text(camera.field_of_view_deg)},
           {"bakelight:bounds", text(bounds.center) + " " + text(bounds.radius)},
           {"bakelight:transport", word(transportNames(), options.paths.transport)},
+          {"bakelight:reflection", word(reflectionModelNames(), model)},
           {"bakelight:bounces", std::to_string(options.paths.bounces)},
           {"bakelight:integrator", word(integratorNames(), options.paths.integrator)},
           {"bakelight:at", word(atNames(), options.at)},
@@ -79,17 +79,17 @@ const std::vector<std::string>& atNames() {
   return kNames;
 }
 
-Reference makeReference(const formats::Pack& pack, const formats::LightRig& rig, const Options& options,
+Reference makeReference(const Surface& surface, const formats::LightRig& rig, const Options& options,
                         const std::optional<BoundingSphere>& bounds, stage::ProgressStyle progress) {
-  const BoundingSphere framed = bounds.value_or(transport::boundingSphere(pack.mesh));
-  const Scene scene(pack, rig, options.frame, framed);
+  const BoundingSphere framed = bounds.value_or(transport::boundingSphere(surface.mesh));
+  const Scene scene(surface, rig, options.frame, framed);
   const PathTracer tracer(scene, options.paths);
   const View view{transport::frameCamera(options.frame, framed), options.frame.width_px,
-                  options.frame.height_px, backdropOf(pack, rig, options.frame)};
+                  options.frame.height_px, backdropOf(rig, options.frame)};
   const auto trace = options.at == At::kPixels ? tracePixels : traceVertices;
   Reference reference{
       trace(scene, tracer, view, options.effort, static_cast<std::uint64_t>(options.seed), progress), {}};
-  reference.metadata = metadataOf(options, view.camera, framed, reference.picture.report);
+  reference.metadata = metadataOf(options, surface.model, view.camera, framed, reference.picture.report);
   return reference;
 }
 

@@ -1,4 +1,5 @@
-// The path-traced picture of a pack: what the player would show if nothing were approximated.
+// The path-traced picture of a mesh and its material: what the player would show if nothing were
+// approximated.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +9,6 @@
 
 #include "formats/frame_settings.h"
 #include "formats/light_rig.h"
-#include "formats/pack_contents.h"
 #include "tools/reference/pictures.h"
 #include "tools/stage/stage.h"
 
@@ -29,12 +29,12 @@ const std::vector<std::string>& transportNames();
 const std::vector<std::string>& integratorNames();
 const std::vector<std::string>& atNames();
 
-// `bounds` as in Scene: nothing, the pack's own.
+// `bounds` as in Scene: nothing, the mesh's own.
 struct Reference {
   Picture picture;
   std::map<std::string, std::string> metadata;  // all that it takes to make it again
 };
-Reference makeReference(const formats::Pack& pack, const formats::LightRig& rig, const Options& options,
+Reference makeReference(const Surface& surface, const formats::LightRig& rig, const Options& options,
                         const std::optional<transport::BoundingSphere>& bounds,
                         stage::ProgressStyle progress);
 

@@ -14,18 +14,18 @@ using formats::TriangleMesh;
 using transport::Float3;
 using transport::vec3;
 
-// The pack's mesh, turned about the middle of `bounds`.
-TriangleMesh meshInWorld(const formats::Pack& pack, const formats::FrameSettings& frame,
+// The mesh, turned about the middle of `bounds`.
+TriangleMesh meshInWorld(const TriangleMesh& object, const formats::FrameSettings& frame,
                          const transport::BoundingSphere& bounds) {
-  if (pack.mesh.triangleCount() == 0)
-    throw badInput({"", "mesh", ""}, "the pack has no triangles", "a mesh to look at");
-  if (pack.mesh.normals.size() != pack.mesh.vertexCount())
-    throw badInput({"", "normals", ""}, "the pack has no normal for each vertex", "a unit normal a vertex",
-                   "make the pack again from a mesh that went through simplify");
+  if (object.triangleCount() == 0)
+    throw badInput({"", "mesh", ""}, "the mesh has no triangles", "a mesh to look at");
+  if (object.normals.size() != object.vertexCount())
+    throw badInput({"", "normals", ""}, "the mesh has no normal for each vertex", "a unit normal a vertex",
+                   "run the mesh through simplify, which makes them");
   TriangleMesh mesh;
-  mesh.positions = pack.mesh.positions;
-  mesh.normals = pack.mesh.normals;
-  mesh.triangles = pack.mesh.triangles;
+  mesh.positions = object.positions;
+  mesh.normals = object.normals;
+  mesh.triangles = object.triangles;
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(frame);
   if (world_from_object.isIdentity(0)) return mesh;
   transport::turnAbout(bounds.center, world_from_object, mesh.positions);
@@ -50,19 +50,37 @@ TriangleMesh joined(const TriangleMesh& mesh, const TriangleMesh& other) {
   return whole;
 }
 
+std::vector<Glossy> materialsOf(const Surface& surface) {
+  std::vector<Glossy> materials;
+  for (const formats::Reflection& reflection : surface.material.reflections)
+    materials.push_back(glossyOf(reflection, surface.model, surface.table));
+  return materials;
+}
+
+// simplify gives no vertex to two materials.
+std::vector<std::uint32_t> materialOfVertices(const Surface& surface) {
+  const std::vector<std::uint32_t>& of_triangle = surface.material.of_triangle;
+  std::vector<std::uint32_t> of_vertex(of_triangle.empty() ? 0 : surface.mesh.vertexCount());
+  for (std::size_t t = 0; t < of_triangle.size(); ++t)
+    for (const std::uint32_t vertex : surface.mesh.triangles[t]) of_vertex[vertex] = of_triangle[t];
+  return of_vertex;
+}
+
 }  // namespace
 
-Scene::Scene(const formats::Pack& pack, const formats::LightRig& rig, const formats::FrameSettings& frame,
+Scene::Scene(const Surface& surface, const formats::LightRig& rig, const formats::FrameSettings& frame,
              const transport::BoundingSphere& bounds)
-    : Scene(pack, rig, frame, bounds, transport::emitterMesh(rig, bounds, frame.time_s)) {}
+    : Scene(surface, rig, frame, bounds, transport::emitterMesh(rig, bounds, frame.time_s)) {}
 
-Scene::Scene(const formats::Pack& pack, const formats::LightRig& rig, const formats::FrameSettings& frame,
+Scene::Scene(const Surface& surface, const formats::LightRig& rig, const formats::FrameSettings& frame,
              const transport::BoundingSphere& bounds, const transport::EmitterMesh& emitters)
-    : mesh_(meshInWorld(pack, frame, bounds)),
+    : mesh_(meshInWorld(surface.mesh, frame, bounds)),
       vertex_origins_(frontOrigins(mesh_)),
-      base_color_(vec3(pack.appearances.front().base_color)),
-      colors_(pack.colors),
-      material_(pack.appearances.front().reflection),
+      albedo_(vec3(surface.material.albedo)),
+      vertex_albedo_(surface.material.vertex_albedo),
+      materials_(materialsOf(surface)),
+      material_of_triangle_(surface.material.of_triangle),
+      material_of_vertex_(materialOfVertices(surface)),
       distant_(rig, transport::worldFromLight(frame)),
       emitters_(emitters),
       ray_mesh_(joined(mesh_, emitters.mesh)),
@@ -71,7 +89,7 @@ Scene::Scene(const formats::Pack& pack, const formats::LightRig& rig, const form
       offset_(transport::surfaceOffset(mesh_, transport::kDefaultBias)) {}
 
 Rgb Scene::albedoOf(std::uint32_t vertex) const {
-  return colors_.empty() ? base_color_ : Rgb(base_color_ * vec3(colors_[vertex]).array());
+  return vertex_albedo_.empty() ? albedo_ : Rgb(vec3(vertex_albedo_[vertex]).array());
 }
 
 ShadingPoint Scene::pointAt(const transport::Hit& hit) const {
@@ -83,9 +101,9 @@ ShadingPoint Scene::pointAt(const transport::Hit& hit) const {
   for (std::size_t i = 0; i < 3; ++i) {
     position += weights[i] * vec3(mesh_.positions[corners[i]]);
     normal += weights[i] * vec3(mesh_.normals[corners[i]]);
-    if (!colors_.empty()) albedo += weights[i] * albedoOf(corners[i]);
+    if (!vertex_albedo_.empty()) albedo += weights[i] * albedoOf(corners[i]);
   }
-  if (colors_.empty()) albedo = base_color_;
+  if (vertex_albedo_.empty()) albedo = albedo_;
   const double side = hit.back_face ? -1 : 1;
   const double length = normal.norm();
   // Normals that cancel out leave the triangle's own.
@@ -104,11 +122,13 @@ ShadingPoint Scene::pointAt(const transport::Hit& hit) const {
     const double below = (position - vec3(mesh_.positions[corners[i]])).dot(vertex_normal);
     lift -= weights[i] * std::min(0.0, below) * vertex_normal;
   }
-  return {position + lift + offset_ * normal, normal, albedo};
+  return {position + lift + offset_ * normal, normal, albedo,
+          material_of_triangle_.empty() ? 0 : material_of_triangle_[hit.triangle]};
 }
 
 ShadingPoint Scene::pointAtVertex(std::uint32_t vertex) const {
-  return {vec3(vertex_origins_[vertex]), vec3(mesh_.normals[vertex]).normalized(), albedoOf(vertex)};
+  return {vec3(vertex_origins_[vertex]), vec3(mesh_.normals[vertex]).normalized(), albedoOf(vertex),
+          material_of_vertex_.empty() ? 0 : material_of_vertex_[vertex]};
 }
 
 }  // namespace bakelight::reference

@@ -1,13 +1,15 @@
-// What the player shows, for rays: the pack's mesh and emitters in the world, materials and lights.
+// What the player shows, for rays: mesh and emitters in the world, materials and lights.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "formats/frame_settings.h"
 #include "formats/light_rig.h"
-#include "formats/pack_contents.h"
+#include "formats/material.h"
+#include "formats/triangle_mesh.h"
 #include "tools/reference/bsdf.h"
 #include "tools/reference/emitter_sampler.h"
 #include "transport/camera.h"
@@ -20,21 +22,29 @@ struct ShadingPoint {
   Vec3 origin;  // where its rays start, off the surface
   Vec3 normal;  // for shading, on the side that is seen
   Rgb albedo;
+  std::uint32_t material = 0;  // see Scene::material
+};
+
+// What the picture is of.
+struct Surface {
+  formats::TriangleMesh mesh;          // with normals; its own colours are not looked at
+  formats::SurfaceMaterials material;  // of this mesh
+  ReflectionModel model = ReflectionModel::kPhysical;
+  std::optional<formats::BrdfTable> table = {};  // with kTable
 };
 
 class Scene {
  public:
-  // Camera, turn of the object and lengths of the rig refer to `bounds`: the pack's bounding sphere, or that
-  // of another mesh of which this one is a variant. The pack's transfer is not looked at. Throws
-  // Error(kBadInput) for a pack without triangles or without a normal a vertex, and what DistantLightSampler
-  // and RayScene throw.
-  Scene(const formats::Pack& pack, const formats::LightRig& rig, const formats::FrameSettings& frame,
+  // Camera, turn of the object and lengths of the rig refer to `bounds`: the mesh's bounding sphere, or that
+  // of another mesh of which this one is a variant. Throws Error(kBadInput) for a mesh without triangles or
+  // without a normal a vertex, and what DistantLightSampler and RayScene throw.
+  Scene(const Surface& surface, const formats::LightRig& rig, const formats::FrameSettings& frame,
         const transport::BoundingSphere& bounds);
 
   const formats::TriangleMesh& mesh() const { return mesh_; }  // in the world
   // The same and the emitters after it: positions and triangles that rays meet.
   const formats::TriangleMesh& rayMesh() const { return ray_mesh_; }
-  const Material& material() const { return material_; }
+  const Glossy& material(std::uint32_t number) const { return materials_[number]; }
   const transport::DistantLightSampler& distantLight() const { return distant_; }
   const EmitterSampler& emitters() const { return emitters_; }
 
@@ -57,15 +67,16 @@ class Scene {
   ShadingPoint pointAtVertex(std::uint32_t vertex) const;
 
  private:
-  Scene(const formats::Pack& pack, const formats::LightRig& rig, const formats::FrameSettings& frame,
+  Scene(const Surface& surface, const formats::LightRig& rig, const formats::FrameSettings& frame,
         const transport::BoundingSphere& bounds, const transport::EmitterMesh& emitters);
   Rgb albedoOf(std::uint32_t vertex) const;
 
   formats::TriangleMesh mesh_;
   std::vector<transport::Float3> vertex_origins_;
-  Rgb base_color_;
-  std::vector<transport::Float3> colors_;
-  Material material_;
+  Rgb albedo_;
+  std::vector<transport::Float3> vertex_albedo_;
+  std::vector<Glossy> materials_;
+  std::vector<std::uint32_t> material_of_triangle_, material_of_vertex_;  // empty: all have the first
   transport::DistantLightSampler distant_;
   EmitterSampler emitters_;
   formats::TriangleMesh ray_mesh_;

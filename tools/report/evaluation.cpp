@@ -6,8 +6,6 @@
 #include <sstream>
 
 #include "formats/error.h"
-#include "formats/field_list.h"
-#include "tools/report/text.h"
 #include "transport/color.h"
 #include "transport/sh.h"
 
@@ -63,21 +61,6 @@ formats::Image displayed(const Picture& picture, double exposure) {
       display.values[i] =
           static_cast<float>(transport::displayCode(display.values[i] * static_cast<float>(exposure))) / 255;
   return display;
-}
-
-// What every variant of one scene has alike, whatever its mesh and tables.
-std::string appearanceOf(const formats::Pack& pack) {
-  const auto textOf = [](const formats::Float3& color) {
-    return numberText(color[0]) + ' ' + numberText(color[1]) + ' ' + numberText(color[2]);
-  };
-  std::string text;
-  for (const formats::Appearance& appearance : pack.appearances) {
-    text += (text.empty() ? "the base colour " : ", the base colour ") + textOf(appearance.base_color) +
-            " and the reflection " + appearance.reflection.kind();
-    for (const formats::FieldValue& field : formats::fieldsOf(appearance.reflection))
-      if (field.isPlain()) text += ' ' + field.name + ' ' + field.plain.dump();
-  }
-  return text;
 }
 
 std::vector<std::size_t> frontOf(const std::vector<VariantFigures>& variants,
@@ -226,15 +209,9 @@ void Evaluator::measureTimes(int rounds, Evaluation& evaluation, const std::func
   };
   std::vector<std::unique_ptr<Candidate>> candidates;
   std::vector<Measurement> measurements;
-  std::string first_scene;
   for (std::size_t v = 0; v < variants.size(); ++v) {
     const formats::Pack pack = sources_.pack(plan_.variants[v].pack.path);
     variants[v].vertices = pack.mesh.vertexCount();
-    if (v == 0) first_scene = appearanceOf(pack);
-    if (appearanceOf(pack) != first_scene)
-      evaluation.warnings.push_back("the variant " + plan_.variants[v].name + " has " + appearanceOf(pack) +
-                                    ", where " + plan_.variants[0].name + " has " + first_scene +
-                                    ": they cannot both show the scene of the references");
     auto shading = transport::makePackShading(pack);
     const transport::LightNeeds needs = shading->needs();
     candidates.push_back(std::make_unique<Candidate>(

@@ -50,7 +50,6 @@ struct Evaluation {
   std::vector<double> noise;             // a view: standard error of the reference, relative to its rms
   std::vector<VariantFigures> variants;  // as in the plan
   Fronts fronts;
-  std::vector<std::string> warnings;  // variants that do not show the scene of the first one
 };
 
 // Holds the references of the plan and makes pictures to compare with them. Plan and sources must outlive it.

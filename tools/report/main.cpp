@@ -32,7 +32,6 @@ int main(int argc, char** argv) {
     stage::Progress progress = run.progress("report", 2 * plan.variants.size(), "evaluations");
     report::Evaluator evaluator(plan, sources);
     const report::Evaluation evaluation = evaluator.evaluate(rounds, [&] { progress.advance(); });
-    for (const std::string& warning : evaluation.warnings) run.warn(warning);
     formats::writeJson(report_path, report::reportJson(plan, evaluation));
     if (!page_path.empty()) {
       const report::Thumbnails thumbnails = report::makeThumbnails(plan, evaluation, evaluator);

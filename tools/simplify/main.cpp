@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
               "Binary PLY with normals, with albedo, materials and texture coordinates if there are any")
       .parameter("up_axis", up_axis, simplify::upAxes(),
                  "Axis of the mesh, as the importer delivers it, that is up and becomes +Y")
+      .changesObject()
       .parameter("triangles", options.triangles, {4, 1e8}, "triangles",
                  "Target; a mesh that has no more is repaired but not decimated")
       .parameter("weld_tolerance", options.weld_tolerance, {0, 0.01}, "",
@@ -37,7 +38,8 @@ int main(int argc, char** argv) {
                  "Edge flips and vertex moves for rounder triangles; 0 leaves decimation's triangles")
       .parameter(
           "double_sided", double_sided,
-          "Give parts with an open border a back of their own, so that it is lit as such; doubles them");
+          "Give parts with an open border a back of their own, so that it is lit as such; doubles them")
+      .changesObject();
   tool.executionPath(transport::RayScene::executionPath);  // distances are measured with Embree, too
   return tool.run(argc, argv, [&](stage::Run& run) {
     formats::MeshImport imported = formats::importMesh(mesh_path);

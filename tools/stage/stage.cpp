@@ -170,6 +170,7 @@ struct Tool::Implementation {
   std::string name, summary;
   std::vector<Port> inputs, outputs;
   std::vector<Parameter> parameters;
+  std::vector<formats::RetiredParameter> retired;
   std::function<std::string()> execution_path = [] { return std::string(); };
 
   Parameter& add(ParameterDescription description, std::function<void(const Json&)> assign) {
@@ -186,7 +187,12 @@ Tool::~Tool() = default;
 
 Tool& Tool::input(const std::string& name, const std::string& kind, fs::path& path, const std::string& help,
                   bool required) {
-  implementation_->inputs.push_back({{name, kind, required, help}, &path});
+  return input(name, kind, path, help, InputOptions{.required = required});
+}
+
+Tool& Tool::input(const std::string& name, const std::string& kind, fs::path& path, const std::string& help,
+                  InputOptions options) {
+  implementation_->inputs.push_back({{name, kind, options.required, help, std::move(options.parts)}, &path});
   return *this;
 }
 
@@ -282,6 +288,16 @@ Tool& Tool::parameter(const std::string& name, std::optional<double>& value, con
   return *this;
 }
 
+Tool& Tool::retired(const std::string& name, const std::string& instead) {
+  implementation_->retired.push_back({name, instead});
+  return *this;
+}
+
+Tool& Tool::changesObject() {
+  implementation_->parameters.back().description.changes_object = true;
+  return *this;
+}
+
 Tool& Tool::executionPath(std::function<std::string()> describe_path) {
   implementation_->execution_path = std::move(describe_path);
   return *this;
@@ -295,6 +311,7 @@ formats::ToolDescription Tool::description() const {
   for (const auto& port : implementation_->outputs) description.outputs.push_back(port.description);
   for (const auto& parameter : implementation_->parameters)
     description.parameters.push_back(parameter.description);
+  description.retired = implementation_->retired;
   return description;
 }
 
@@ -441,6 +458,16 @@ int runGuarded(const std::string& tool, bool as_json, const std::function<void()
   }
 }
 
+// What to write instead of the first option that there is no more; "" if there is none.
+std::string retiredOption(const std::vector<formats::RetiredParameter>& retired, int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i], stem = word.substr(0, word.find('='));
+    for (const formats::RetiredParameter& was : retired)
+      if (stem == optionName(was.name)) return was.instead;
+  }
+  return "";
+}
+
 void logToStandardError(const std::string& tool) {
   auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
   const char* no_color = std::getenv("NO_COLOR");  // no-color.org
@@ -461,7 +488,8 @@ int Tool::run(int argc, char** argv, const std::function<void(Run&)>& body) {
   } catch (const CLI::Success& help_or_version) {
     return command_line.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
-    const std::string meant = command_line.nearestOption(argc, argv);
+    const std::string instead = retiredOption(tool.retired, argc, argv);
+    const std::string meant = instead.empty() ? command_line.nearestOption(argc, argv) : instead;
     const Error usage(ExitStatus::kUsage, {}, error.what(), "",
                       meant.empty() ? tool.name + " --help for what there is" : meant);
     return report(tool.name, usage, reportsAsJson(common));

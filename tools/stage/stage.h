@@ -63,6 +63,12 @@ class Tool {
   // the reference holds when it is declared.
   Tool& input(const std::string& name, const std::string& kind, std::filesystem::path& path,
               const std::string& help, bool required = true);
+  struct InputOptions {
+    bool required = true;
+    std::vector<std::string> parts = {};  // see formats::PortDescription
+  };
+  Tool& input(const std::string& name, const std::string& kind, std::filesystem::path& path,
+              const std::string& help, InputOptions options);
   Tool& output(const std::string& name, const std::string& kind, std::filesystem::path& path,
                const std::string& help, bool required = true);
 
@@ -84,6 +90,11 @@ class Tool {
   using Words = std::vector<std::pair<std::string, std::optional<double>>>;
   Tool& parameter(const std::string& name, std::optional<double>& value, const Words& words, Range range,
                   const std::string& help);
+
+  // What was a parameter once, for those who still write it: an error that says where its value stands now.
+  Tool& retired(const std::string& name, const std::string& instead);
+  // See ParameterDescription::changes_object; of the parameter declared last.
+  Tool& changesObject();
 
   // See ToolDescription::execution_path. Evaluated for --describe only.
   Tool& executionPath(std::function<std::string()> describe);

@@ -1,9 +1,9 @@
 // survey: measures what light transport a mesh needs, for recipes that leave out what it does not.
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "formats/error.h"
+#include "formats/material.h"
 #include "formats/mesh_ply.h"
 #include "tools/stage/stage.h"
 #include "tools/survey/survey.h"
@@ -11,31 +11,40 @@
 
 using namespace bakelight;
 
+namespace {
+
+constexpr const char* kAlbedoNow = R"(a material: in asset.json "material": { "albedo": [0.8, 0.8, 0.8] })";
+constexpr const char* kReflectionNow =
+    R"(a material: in asset.json "material": { "reflection": { "model": "ggx", "roughness": 0.3 } })";
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  using Lobe = survey::SurveyOptions::Lobe;
-  const std::map<std::string, Lobe> lobes = {
-      {"none", Lobe::kNone}, {"phong", Lobe::kTinted}, {"ggx", Lobe::kTinted}, {"table", Lobe::kTable}};
-  std::filesystem::path mesh_path;
-  survey::SurveyOptions options;
-  std::string lobe = "none";
+  std::filesystem::path mesh_path, material_path;
+  int samples = survey::SurveyOptions().samples;
 
   stage::Tool tool("survey", "Measures what light transport a mesh needs, before any is baked.");
-  tool.input("mesh", "mesh", mesh_path, "PLY mesh, as simplify writes it; its colours are the albedo")
-      .parameter("albedo", options.albedo, {0, 1}, "",
-                 "Diffuse reflectance where the mesh has no colours, linear red, green and blue")
-      .parameter("lobe", lobe, {"none", "phong", "ggx", "table"},
-                 "Glossy reflection that is planned; a table counts as all glossy")
-      .parameter("specular_color", options.specular_color, {0, 1}, "",
-                 "With lobe phong or ggx: its reflectance, linear red, green and blue")
-      .parameter("samples", options.samples, {64, 1e8}, "points",
-                 "On the surface, where the figures are sampled; standard errors fall with the square root");
+  tool.input("mesh", "mesh", mesh_path,
+             "PLY mesh, as simplify writes it; its colours are the albedo unless material has one")
+      .input("material", "material", material_path,
+             "What the mesh is made of; a BRDF table counts as all glossy",
+             {.required = false, .parts = {"albedo", "reflection"}})
+      .parameter("samples", samples, {64, 1e8}, "points",
+                 "On the surface, where the figures are sampled; standard errors fall with the square root")
+      .retired("albedo", kAlbedoNow)
+      .retired("lobe", kReflectionNow)
+      .retired("specular_color", kReflectionNow);
 
   tool.executionPath(transport::RayScene::executionPath);
 
   return tool.run(argc, argv, [&](stage::Run& run) {
-    options.lobe = lobes.at(lobe);
-    const formats::TriangleMesh mesh = formats::readPly(mesh_path);
+    formats::TriangleMesh mesh = formats::readPly(mesh_path);
     transport::requireTraceableScale(mesh, mesh_path.string());
+    formats::SurfaceMaterials materials = formats::materialsOn(
+        mesh, formats::readMaterialsOrDefault(material_path), mesh_path.string(), material_path.string());
+    survey::SurveyOptions options = survey::optionsFor(materials);
+    options.samples = samples;
+    mesh.colors = std::move(materials.vertex_albedo);
     survey::Survey result;
     try {
       result = survey::survey(mesh, options);

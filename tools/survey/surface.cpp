@@ -73,6 +73,7 @@ SurfacePoint Surface::pointOn(std::uint32_t triangle, double u, double v, bool b
            v * vec3(values[corners[2]]);
   };
   SurfacePoint point;
+  point.triangle = triangle;
   point.normal = across(triangle).normalized() * (back ? -1 : 1);
   point.origin = interpolated(mesh_.positions) + offset_ * point.normal;
   point.albedo = mesh_.colors.empty() ? albedo_ : interpolated(mesh_.colors);
@@ -103,6 +104,16 @@ Vec3 Surface::meanAlbedo() const {
     Vec3 mean = Vec3::Zero();
     for (const std::uint32_t v : mesh_.triangles[t]) mean += vec3(mesh_.colors[v]) / 3;
     sum += (area_up_to_[t] - before) * mean;
+    before = area_up_to_[t];
+  }
+  return sum / area_up_to_.back();
+}
+
+Vec3 Surface::mean(const std::vector<formats::Float3>& of_triangles) const {
+  Vec3 sum = Vec3::Zero();
+  double before = 0;
+  for (std::size_t t = 0; t < mesh_.triangleCount(); ++t) {
+    sum += (area_up_to_[t] - before) * vec3(of_triangles[t]);
     before = area_up_to_[t];
   }
   return sum / area_up_to_.back();

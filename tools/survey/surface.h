@@ -14,6 +14,7 @@ struct SurfacePoint {
   transport::Vec3 origin;  // where its rays start: a little off the surface
   transport::Vec3 normal;  // of the triangle, on the side that the point is on; unit length
   transport::Vec3 albedo;
+  std::uint32_t triangle;
 };
 
 class Surface {
@@ -26,8 +27,9 @@ class Surface {
   SurfacePoint pointAt(double along, double u, double v) const;
   // Where a ray ends; false if in the dark inside of a closed part.
   bool pointAt(std::uint32_t triangle, double u, double v, bool back_face, SurfacePoint& point) const;
-  // Mean over the area.
+  // Means over the area.
   transport::Vec3 meanAlbedo() const;
+  transport::Vec3 mean(const std::vector<formats::Float3>& of_triangles) const;
 
  private:
   SurfacePoint pointOn(std::uint32_t triangle, double u, double v, bool back) const;

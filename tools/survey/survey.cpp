@@ -7,6 +7,7 @@
 #include <functional>
 #include <numbers>
 #include <stdexcept>
+#include <variant>
 #include <vector>
 
 #include "tools/survey/concavity.h"
@@ -62,6 +63,7 @@ double luminance(const Vec3& rgb) {
 struct Sample {
   double blocked_share = 0;
   Vec3 albedo = Vec3::Zero();
+  std::uint32_t triangle = 0;
   Vec3 bounced = Vec3::Zero();  // mean radiance that arrives from blocked directions, cosine-weighted
   std::uint64_t rays = 0;
 
@@ -91,6 +93,7 @@ class Sampler {
 
     Sample result;
     result.albedo = point.albedo;
+    result.triangle = point.triangle;
     result.rays = kDirections;
     std::vector<int> blocked;
     for (int i = 0; i < kDirections; ++i)
@@ -151,7 +154,10 @@ Estimate ratioOfMeans(const std::vector<Sample>& samples, Part part, Whole whole
 
 // Under a sky whose light arrives alike everywhere.
 double unblockedViewDependence(const Surface& surface, const SurveyOptions& options) {
-  const double specular = luminance(vec3(options.specular_color)), diffuse = luminance(surface.meanAlbedo());
+  const double specular =
+      luminance(options.triangle_specular.empty() ? vec3(options.specular_color)
+                                                  : surface.mean(options.triangle_specular));
+  const double diffuse = luminance(surface.meanAlbedo());
   return specular + diffuse > 0 ? specular / (specular + diffuse) : 0;
 }
 
@@ -160,15 +166,46 @@ Estimate viewDependence(const std::vector<Sample>& samples, const Surface& surfa
   if (options.lobe == SurveyOptions::Lobe::kNone) return {};
   if (options.lobe == SurveyOptions::Lobe::kTable) return {1, 0};
   if (samples.empty()) return {unblockedViewDependence(surface, options), 0};
-  const Vec3 specular = vec3(options.specular_color);
-  const auto lobe = [&](const Sample& s) { return luminance(specular.cwiseProduct(s.arriving())); };
+  const auto specular = [&](const Sample& s) -> Vec3 {
+    return vec3(options.triangle_specular.empty() ? options.specular_color
+                                                  : options.triangle_specular[s.triangle]);
+  };
+  const auto lobe = [&](const Sample& s) { return luminance(specular(s).cwiseProduct(s.arriving())); };
   const auto all = [&](const Sample& s) {
-    return luminance((specular + s.albedo).cwiseProduct(s.arriving()));
+    return luminance((specular(s) + s.albedo).cwiseProduct(s.arriving()));
   };
   return ratioOfMeans(samples, lobe, all);
 }
 
+Float3 reflectanceOf(const formats::Reflection& reflection) {
+  if (const auto* phong = std::get_if<formats::PhongReflection>(&reflection)) return phong->specular_color;
+  const auto* ggx = std::get_if<formats::GgxReflection>(&reflection);
+  if (ggx == nullptr) return {0, 0, 0};
+  Float3 reflectance = ggx->specular_color;
+  if (ggx->fresnel)
+    for (float& value : reflectance) value = (1 + 20 * value) / 21;
+  return reflectance;
+}
+
+template <class Kind>
+bool anyIs(const std::vector<formats::Reflection>& reflections) {
+  return std::any_of(reflections.begin(), reflections.end(),
+                     [](const auto& reflection) { return std::holds_alternative<Kind>(reflection); });
+}
+
 }  // namespace
+
+SurveyOptions optionsFor(const formats::SurfaceMaterials& materials) {
+  using Lobe = SurveyOptions::Lobe;
+  const auto& reflections = materials.reflections;
+  SurveyOptions options{.albedo = materials.albedo, .specular_color = reflectanceOf(reflections.front())};
+  if (anyIs<formats::PhongReflection>(reflections) || anyIs<formats::GgxReflection>(reflections))
+    options.lobe = Lobe::kTinted;
+  if (anyIs<formats::TableReflection>(reflections)) options.lobe = Lobe::kTable;
+  for (const std::uint32_t material : materials.of_triangle)
+    options.triangle_specular.push_back(reflectanceOf(reflections[material]));
+  return options;
+}
 
 Survey survey(const formats::TriangleMesh& mesh, const SurveyOptions& options) {
   if (options.samples < 2) throw std::invalid_argument("a survey takes 2 samples or more");

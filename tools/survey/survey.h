@@ -4,7 +4,9 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
+#include "formats/material.h"
 #include "formats/triangle_mesh.h"
 
 namespace bakelight::survey {
@@ -15,8 +17,14 @@ struct SurveyOptions {
   Float3 albedo = {0.8F, 0.8F, 0.8F};                             // diffuse, where the mesh has no colours
   Float3 specular_color = {0.2F, 0.2F, 0.2F};                     // reflectance of the lobe
   enum class Lobe { kNone, kTinted, kTable } lobe = Lobe::kNone;  // kTinted: by the specular colour
-  int samples = 4096;                                             // points on the surface, >= 2
+  std::vector<Float3> triangle_specular = {};  // kTinted: instead of specular_color, one a triangle; or empty
+  int samples = 4096;                          // points on the surface, >= 2
 };
+
+// What a survey looks at of the materials of a mesh: the reflectance of a lobe is its specular colour or,
+// where that rises towards grazing angles by Fresnel, its mean over a diffuse sky's angles, (1 + 20 ·
+// colour)/21 (Schlick's term under the cosine); masking is not taken off. One table makes all of it a table.
+SurveyOptions optionsFor(const formats::SurfaceMaterials& materials);
 
 struct Estimate {
   double value = 0;
@@ -33,8 +41,8 @@ struct Survey {
   // luminance.
   Estimate bounce_energy;
   // Share of exit radiance under that sky, all bounces included, that depends on the view: lobe over lobe and
-  // diffuse part; luminance. A lobe returns its specular colour times the light that arrives. 1 for a table,
-  // of which nothing is known here.
+  // diffuse part; luminance. A lobe returns its reflectance times the light that arrives. 1 for a table, of
+  // which nothing is known here.
   Estimate view_dependence;
   std::uint64_t rays = 0;
 };

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "formats/material.h"
 #include "formats/tensors.h"
 #include "tools/stage/stage.h"
 #include "tools/transfer/transfer.h"
@@ -11,22 +12,28 @@
 using namespace bakelight;
 
 int main(int argc, char** argv) {
-  std::filesystem::path mesh_path, transfer_path;
+  std::filesystem::path mesh_path, material_path, transfer_path;
   transfer::TransferSettings settings;
   stage::Tool tool("transfer", "Bakes radiance transfer at the vertices of a mesh.");
   transfer::declare(tool, settings);
-  tool.input("mesh", "mesh", mesh_path,
-             "PLY mesh with normals, as simplify writes it; its colours are the albedo")
+  tool.input(
+          "mesh", "mesh", mesh_path,
+          "PLY mesh with normals, as simplify writes it; its colours are the albedo unless material has one")
+      .input("material", "material", material_path, "what the mesh is made of; light bounces off its albedo",
+             {.required = false, .parts = {"albedo"}})
       .output("transfer", "tensors", transfer_path, "safetensors file for pack (docs/FORMATS.md)")
       .executionPath(transport::RayScene::executionPath);
 
   return tool.run(argc, argv, [&](stage::Run& run) {
     const transfer::TransferOptions options = transfer::bakeOptions(settings);
     const formats::TriangleMesh mesh = transfer::readBakeableMesh(mesh_path);
-    std::vector<formats::Float3> albedo = mesh.colors;
+    const formats::SurfaceMaterials surface = formats::materialsOn(
+        mesh, formats::readMaterialsOrDefault(material_path), mesh_path.string(), material_path.string());
+    if (surface.replaces_colors) run.warn("the material's albedo stands in place of the mesh's colours");
+    std::vector<formats::Float3> albedo = surface.vertex_albedo;
     // Without bounces a uniform albedo stays outside, and pack is free to choose it.
     if (albedo.empty() && options.transport == transfer::Transport::kInterreflected)
-      albedo = {settings.albedo};
+      albedo = {surface.albedo};
 
     const auto start = std::chrono::steady_clock::now();
     transfer::Transfer baked;

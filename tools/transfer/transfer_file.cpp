@@ -72,9 +72,6 @@ void declare(stage::Tool& tool, TransferSettings& settings) {
       .parameter("components", settings.cpca.components, {1, 64}, "", "cpca: weights a vertex")
       .parameter("directions", options.directions, {64, 1048576}, "directions over the sphere",
                  "Rays for shadows; each vertex traces the half above its tangent plane")
-      .parameter(
-          "albedo", settings.albedo, {0, 1}, "",
-          "Interreflected: diffuse reflectance, linear red, green and blue, where the mesh has no colours")
       .parameter("threshold", options.interreflection.threshold, {1e-6, 1}, "share of all light",
                  "Interreflected: bounces go on until less than this can be missing")
       .parameter("bounces", options.interreflection.bounces, {0, 1000}, "",
@@ -85,7 +82,8 @@ void declare(stage::Tool& tool, TransferSettings& settings) {
       .parameter("sphere_radius", settings.sphere_radius, {1.01, 1000}, "radii of the bounding sphere",
                  "Near field: the virtual sphere, around the object's centre")
       .parameter("bias", options.bias, {0, 0.1}, "of the bounding sphere's radius",
-                 "Distance by which rays start off the surface");
+                 "Distance by which rays start off the surface")
+      .retired("albedo", R"(a material: in asset.json "material": { "albedo": [0.8, 0.8, 0.8] })");
 }
 
 TransferOptions bakeOptions(const TransferSettings& settings) {

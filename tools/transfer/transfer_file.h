@@ -18,8 +18,7 @@ namespace bakelight::transfer {
 struct TransferSettings {
   std::string technique = "diffuse";  // or "glossy"
   std::string transport = "shadowed";
-  std::string storage = "matrix";               // of glossy transfer; or "visibility", "cpca"
-  formats::Float3 albedo = {0.8F, 0.8F, 0.8F};  // where the mesh has no colours
+  std::string storage = "matrix";  // of glossy transfer; or "visibility", "cpca"
   bool near_field = false;
   double sphere_radius = 2;
   TransferOptions options;

@@ -102,6 +102,16 @@ TEST_F(InspectFileTest, UnknownFilesAreToldWhatCanBeOpened) {
   EXPECT_THAT(errorOf(folder_ / "missing.ply"), HasSubstr("there is no such file"));
 }
 
+TEST_F(InspectFileTest, AMaterialIsShownMemberByMember) {
+  const fs::path material =
+      written("glaze.json", R"({ "albedo": [0.5, 0.25, 0.125], "reflection": { "model": "ggx" } })");
+  const Inspection inspected = inspectFile(material, {});
+  EXPECT_EQ(inspected.summary.kind, "material");
+  EXPECT_THAT(asText(inspected.summary), HasSubstr("reflection.roughness"));
+  EXPECT_THAT(errorOf(material, PreviewOptions{}), HasSubstr("nothing to draw"));
+  EXPECT_THAT(errorOf(written("typo.json", R"({ "albedo": [2, 0, 0] })")), HasSubstr("/albedo"));
+}
+
 TEST_F(InspectFileTest, ARecordHasNoPreview) {
   const fs::path record =
       written("stats.json", R"({"tool": "pack", "wall_s": 1, "cpu_s": 1, "peak_memory_bytes": 1,

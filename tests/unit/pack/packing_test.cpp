@@ -29,7 +29,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 constexpr std::uint64_t kVertices = 3, kCoefficients = 4, kRows = 9;  // order 2, rows of order 3
-const SourceNames kNames = {"m.ply", "t.safetensors", "b.safetensors"};
+const SourceNames kNames = {"m.ply", "t.safetensors", "b.safetensors", "material.json"};
 
 TriangleMesh triangle() {
   TriangleMesh mesh;
@@ -89,10 +89,10 @@ TensorFile brdfOfOrder(int order) {
   return file;
 }
 
-PackingOptions withLobe(const std::string& lobe, Precision precision = Precision::kFloat32) {
+PackingOptions packed(Precision precision = Precision::kFloat32) {
   PackingOptions options;
-  options.lobe = lobe;
   options.precision = precision;
+  options.material.reflections = {formats::Lambert()};
   return options;
 }
 
@@ -100,7 +100,21 @@ const formats::PackPart& reflectionOf(const Pack& pack) {
   return pack.appearances.front().reflection;
 }
 
-Pack assemble(const TensorFile& transfer, const PackingOptions& options = {},
+PackingOptions withReflection(const formats::Reflection& reflection,
+                              Precision precision = Precision::kFloat32) {
+  PackingOptions options = packed(precision);
+  options.material.reflections = {reflection};
+  return options;
+}
+
+PackingOptions withLobe(const std::string& model, Precision precision = Precision::kFloat32) {
+  if (model == "phong") return withReflection(formats::PhongReflection(), precision);
+  PackingOptions options = withReflection(formats::GgxReflection(), precision);
+  if (model == "table") options.reflection = "table";
+  return options;
+}
+
+Pack assemble(const TensorFile& transfer, const PackingOptions& options = packed(),
               const TensorFile* brdf = nullptr) {
   Pack pack = assemblePack(triangle(), transfer, brdf, options, kNames);
   // What the stage makes, the format takes.
@@ -108,7 +122,7 @@ Pack assemble(const TensorFile& transfer, const PackingOptions& options = {},
   return pack;
 }
 
-std::string errorOf(const TensorFile& transfer, const PackingOptions& options = {},
+std::string errorOf(const TensorFile& transfer, const PackingOptions& options = packed(),
                     const TensorFile* brdf = nullptr, const TriangleMesh& mesh = triangle()) {
   try {
     assemblePack(mesh, transfer, brdf, options, kNames);
@@ -125,9 +139,9 @@ std::vector<float> valuesOf(const TensorFile& file, const char* name) {
 }
 
 TEST(Packing, DiffuseTransferGoesInAsItIs) {
-  PackingOptions options;
+  PackingOptions options = packed();
   options.name = "name";
-  options.albedo = {0.1F, 0.2F, 0.3F};
+  options.material.albedo = {0.1F, 0.2F, 0.3F};
   options.precision = Precision::kUint8;  // not for diffuse vectors
   for (const std::uint64_t channels : {1, 3}) {
     const TensorFile transfer = diffuseTransfer(channels);
@@ -158,36 +172,36 @@ TEST(Packing, NearFieldComesWithItsSphere) {
   EXPECT_EQ(pack.sh().near_field->radius, 4);
 }
 
-TEST(Packing, TheTransfersAlbedoWins) {
+TEST(Packing, LightHasBouncedOffTheAlbedoThatIsShown) {
+  PackingOptions options = packed();
+  options.material.albedo = {0.5F, 0.25F, 0.125F};
   TensorFile transfer = diffuseTransfer();
-  transfer.tensors["albedo"] =
-      Tensor::from<float>(ElementType::kFloat32, {1, 3}, std::vector<float>{0.5F, 0.25F, 0.125F});
-  EXPECT_EQ(assemble(transfer).appearances[0].base_color, (Float3{0.5F, 0.25F, 0.125F}));
-  transfer.tensors["albedo"] =
-      Tensor::from<float>(ElementType::kFloat32, {3, 3},
-                          std::vector<float>{0.1F, 0.2F, 0.3F, 0.4F, 0.5F, 0.6F, 0.7F, 0.8F, 0.9F});
-  const Pack pack = assemble(transfer);
+  const auto baked = [&](std::vector<std::uint64_t> shape, const std::vector<float>& values) {
+    transfer.tensors["albedo"] = Tensor::from<float>(ElementType::kFloat32, std::move(shape), values);
+  };
+  baked({1, 3}, {0.5F, 0.25F, 0.125F});
+  EXPECT_EQ(assemble(transfer, options).appearances[0].base_color, (Float3{0.5F, 0.25F, 0.125F}));
+  baked({1, 3}, {0.5F, 0.25F, 0.25F});
+  EXPECT_THAT(errorOf(transfer, options), AllOf(HasSubstr("tensor albedo"), HasSubstr("another albedo")));
+
+  options.material.vertex_albedo = {{0.1F, 0.2F, 0.3F}, {0.4F, 0.5F, 0.6F}, {0.7F, 0.8F, 0.9F}};
+  baked({3, 3}, {0.1F, 0.2F, 0.3F, 0.4F, 0.5F, 0.6F, 0.7F, 0.8F, 0.9F});
+  const Pack pack = assemble(transfer, options);
   EXPECT_EQ(pack.appearances[0].base_color, (Float3{1, 1, 1}));
-  ASSERT_EQ(pack.colors.size(), 3U);
-  EXPECT_EQ(pack.colors[1], (Float3{0.4F, 0.5F, 0.6F}));
+  EXPECT_EQ(pack.colors, options.material.vertex_albedo);
+  baked({3, 3}, {0.1F, 0.2F, 0.3F, 0.4F, 0.5F, 0.6F, 0.7F, 0.8F, 0.8F});
+  EXPECT_THAT(errorOf(transfer, options), HasSubstr("another albedo"));
   transfer.tensors["albedo"] = ramp({2, 3});
-  EXPECT_THAT(errorOf(transfer), AllOf(HasSubstr("tensor albedo"), HasSubstr("2 × 3")));
+  EXPECT_THAT(errorOf(transfer, options), AllOf(HasSubstr("tensor albedo"), HasSubstr("2 × 3")));
 }
 
-TEST(Packing, TheMeshsColoursWinOverTheParameter) {
+TEST(Packing, ColoursAreTheMaterialsNotTheMeshs) {
   TriangleMesh mesh = triangle();
   mesh.colors = {{0.1F, 0.2F, 0.3F}, {0.4F, 0.5F, 0.6F}, {0.7F, 0.8F, 0.9F}};
-  TensorFile transfer = diffuseTransfer();
-  const Pack pack = assemblePack(mesh, transfer, nullptr, {}, kNames);
-  EXPECT_EQ(pack.appearances[0].base_color, (Float3{1, 1, 1}));
-  EXPECT_EQ(pack.colors, mesh.colors);
+  const Pack pack = assemblePack(mesh, diffuseTransfer(), nullptr, packed(), kNames);
+  EXPECT_EQ(pack.appearances[0].base_color, formats::kDefaultAlbedo);
+  EXPECT_TRUE(pack.colors.empty());
   EXPECT_TRUE(pack.mesh.colors.empty());
-  transfer.tensors["albedo"] =
-      Tensor::from<float>(ElementType::kFloat32, {1, 3}, std::vector<float>{0.5F, 0.25F, 0.125F});
-  const Pack baked = assemblePack(mesh, transfer, nullptr, {}, kNames);
-  EXPECT_EQ(baked.appearances[0].base_color, (Float3{0.5F, 0.25F, 0.125F}))
-      << "what was baked with one albedo is shown with it";
-  EXPECT_TRUE(baked.colors.empty());
 }
 
 TEST(Packing, EachStorageKeepsItsTables) {
@@ -215,16 +229,12 @@ TEST(Packing, EachStorageKeepsItsTables) {
 }
 
 TEST(Packing, LobesCarryTheirOwnParameters) {
-  PackingOptions options = withLobe("phong");
-  options.exponent = 20;
-  options.roughness = 0.5;
-  options.specular_color = {0.25F, 0.5F, 0.75F};
-  const Pack phong = assemble(glossyTransfer("matrix"), options);
+  const Float3 color = {0.25F, 0.5F, 0.75F};
+  const Pack phong = assemble(glossyTransfer("matrix"), withReflection(formats::PhongReflection{color, 20}));
   ASSERT_NE(reflectionOf(phong).as<formats::PhongLobe>(), nullptr);
   EXPECT_EQ(reflectionOf(phong).as<formats::PhongLobe>()->exponent, 20);
-  EXPECT_EQ(reflectionOf(phong).as<formats::PhongLobe>()->specular_color, (Float3{0.25F, 0.5F, 0.75F}));
-  options.lobe = "ggx";
-  const Pack ggx = assemble(glossyTransfer("matrix"), options);
+  EXPECT_EQ(reflectionOf(phong).as<formats::PhongLobe>()->specular_color, color);
+  const Pack ggx = assemble(glossyTransfer("matrix"), withReflection(formats::GgxReflection{color, 0.5}));
   ASSERT_NE(reflectionOf(ggx).as<formats::GgxLobe>(), nullptr);
   EXPECT_EQ(reflectionOf(ggx).as<formats::GgxLobe>()->roughness, 0.5F);
   const TensorFile brdf = brdfOfOrder(4);
@@ -248,7 +258,7 @@ TEST(Packing, EachMaterialThatATriangleHasBecomesAnAppearance) {
   transfer.tensors["transfer"] = ramp({4, 1, kCoefficients});
   transfer.metadata = diffuseTransfer().metadata;
   transfer.metadata["mesh_hash"] = formats::geometryHash(square);
-  Pack pack = assemblePack(square, transfer, nullptr, {}, kNames);
+  Pack pack = assemblePack(square, transfer, nullptr, packed(), kNames);
   ASSERT_EQ(pack.appearances.size(), 2U);
   EXPECT_EQ(pack.appearances[0].material, "top");
   EXPECT_EQ(pack.appearances[1].material, "bottom");
@@ -306,14 +316,16 @@ TEST(Packing, PrecisionErrorIsTheRelativeNormOfWhatWasLost) {
 
 TEST(Packing, CombinationsThatMakeNoSenseAreErrors) {
   const TensorFile brdf = brdfOfOrder(3);
+  PackingOptions without = withLobe("ggx");
+  without.reflection = "none";
   EXPECT_THAT(errorOf(diffuseTransfer(), withLobe("ggx")),
-              AllOf(HasSubstr("/lobe"), HasSubstr("technique glossy")));
-  EXPECT_THAT(errorOf(glossyTransfer("matrix")), AllOf(HasSubstr("/lobe"), HasSubstr("phong, ggx or table")));
+              AllOf(HasSubstr("/reflection"), HasSubstr("technique glossy")));
+  EXPECT_EQ(errorOf(diffuseTransfer(), without), "no error");
+  for (const PackingOptions& options : {packed(), without})
+    EXPECT_THAT(errorOf(glossyTransfer("matrix"), options),
+                AllOf(HasSubstr("/reflection"), HasSubstr("technique diffuse")));
   EXPECT_THAT(errorOf(glossyTransfer("matrix"), withLobe("table")),
               AllOf(HasSubstr("/brdf"), HasSubstr("input brdf")));
-  EXPECT_THAT(errorOf(glossyTransfer("matrix"), withLobe("ggx"), &brdf),
-              AllOf(HasSubstr("b.safetensors"), HasSubstr("/brdf")));
-  EXPECT_THAT(errorOf(diffuseTransfer(), {}, &brdf), HasSubstr("/brdf"));
   EXPECT_THAT(errorOf(glossyTransfer("visibility", 3), withLobe("ggx")),
               AllOf(HasSubstr("no colour"), HasSubstr("cpca")));
   EXPECT_EQ(errorOf(glossyTransfer("matrix"), withLobe("table"), &brdf), "no error");
@@ -322,13 +334,46 @@ TEST(Packing, CombinationsThatMakeNoSenseAreErrors) {
               AllOf(HasSubstr("b.safetensors"), HasSubstr("fewer bands")));
 }
 
+TEST(Packing, AMaterialThatIsATableNeedsNoOther) {
+  const formats::BrdfTable table = formats::brdfTableFrom(brdfOfOrder(3), "own.safetensors");
+  const auto reflection = withReflection(formats::TableReflection{"own.safetensors", table});
+  const Pack pack = assemble(glossyTransfer("matrix"), reflection);
+  ASSERT_NE(reflectionOf(pack).as<formats::BrdfTable>(), nullptr);
+  EXPECT_EQ(reflectionOf(pack).as<formats::BrdfTable>()->values, table.values);
+}
+
+TEST(Packing, MaterialsReflectEachInItsOwnWay) {
+  PackingOptions options = packed();
+  options.material.reflections = {formats::GgxReflection(), formats::PhongReflection(), formats::Lambert()};
+  options.material.of_triangle = {1};
+  EXPECT_STREQ(reflectionOf(assemble(glossyTransfer("matrix"), options)).kind(), "phong")
+      << "which is the only one in use";
+  TriangleMesh mesh = triangle();
+  mesh.triangles.push_back({0, 2, 1});
+  mesh.triangles.push_back({1, 0, 2});
+  mesh.material_names = {"paint", "chalk", "metal"};
+  mesh.triangle_materials = {0, 1, 2};
+  options.material.of_triangle = {1, 2, 0};
+  TensorFile transfer = glossyTransfer("matrix");
+  transfer.metadata["mesh_hash"] = formats::geometryHash(mesh);
+  Pack pack = assemblePack(mesh, transfer, nullptr, options, kNames);
+  ASSERT_EQ(pack.appearances.size(), 3U);
+  EXPECT_STREQ(pack.appearances[0].reflection.kind(), "phong");
+  EXPECT_STREQ(pack.appearances[1].reflection.kind(), "lambert");
+  EXPECT_STREQ(pack.appearances[2].reflection.kind(), "ggx");
+  // There is one table for all.
+  options.reflection = "table";
+  const TensorFile brdf = brdfOfOrder(4);
+  EXPECT_THAT(errorOf(transfer, options, &brdf, mesh), AllOf(HasSubstr("/materials"), HasSubstr("one projected table")));
+}
+
 TEST(Packing, RefusesATransferOfAnotherMesh) {
   TriangleMesh other = triangle();
   other.positions[1][0] = 1.0000001F;
-  EXPECT_THAT(errorOf(diffuseTransfer(), {}, nullptr, other),
+  EXPECT_THAT(errorOf(diffuseTransfer(), packed(), nullptr, other),
               AllOf(HasSubstr("t.safetensors"), HasSubstr("another mesh than m.ply")));
   other.positions.push_back({1, 1, 1});
-  EXPECT_THAT(errorOf(diffuseTransfer(), {}, nullptr, other),
+  EXPECT_THAT(errorOf(diffuseTransfer(), packed(), nullptr, other),
               AllOf(HasSubstr("3 × 1 × 4"), HasSubstr("4 × 1 × 4")));
 }
 
@@ -393,13 +438,29 @@ TEST(Report, SaysWhatEachSectionCostsAndWarnsOfTooMuchLight) {
   report(pack, transfer, formats::encodePack(pack, {}, "a.glb"), "a.glb", run);
   EXPECT_EQ(run.stats()["bytes_per_vertex"]["matrices"], 2.0 * kRows * kCoefficients);
   EXPECT_EQ(run.stats()["bytes_per_vertex"]["tangents"], 16.0);
-  EXPECT_EQ(run.stats()["albedo_source"], "parameter");
+  EXPECT_EQ(run.stats()["albedo_source"], "material");
   EXPECT_GT(run.stats()["precision_error"]["matrices"], 0.0);
   EXPECT_TRUE(run.warnings().empty()) << "0.8 + 0.2 is 1";
-  options.specular_color = {0.1F, 0.1F, 0.3F};
+  options.material.reflections = {formats::GgxReflection{.specular_color = {0.1F, 0.1F, 0.3F}}};
   const Pack bright = assemble(transfer, options);
   report(bright, transfer, formats::encodePack(bright, {}, "a.glb"), "a.glb", run);
   ASSERT_EQ(run.warnings().size(), 1U);
+}
+
+TEST(Report, WarnsOfALobeThatLeavesOutWhatTheMaterialHas) {
+  for (const auto& [reflection, warnings] : {std::pair{formats::GgxReflection{.fresnel = true}, 1U},
+                                             {formats::GgxReflection{.multiple_scattering = true}, 1U},
+                                             {formats::GgxReflection{}, 0U}}) {
+    stage::Run run(1, stage::ProgressStyle::kNone);
+    const PackingOptions options = withReflection(reflection);
+    warnOfLobe(assemble(glossyTransfer("matrix"), options), options.material, run);
+    EXPECT_EQ(run.warnings().size(), warnings);
+    PackingOptions table = options;
+    table.reflection = "table";
+    const TensorFile brdf = brdfOfOrder(3);
+    warnOfLobe(assemble(glossyTransfer("matrix"), table, &brdf), table.material, run);
+    EXPECT_EQ(run.warnings().size(), warnings) << "the table has it";
+  }
 }
 
 }  // namespace

@@ -38,6 +38,7 @@ class SweepTest : public testing::Test, public BuildObserver {
   SweepTest() {
     recipe_ = Json::parse(R"({
       "asset": { "mesh": { "kind": "mesh", "endings": [".obj"] },
+                 "material": { "kind": "material", "required": false, "endings": [] },
                  "environment": { "kind": "image", "required": false, "endings": [".hdr"] } },
       "stages": {
         "simplify": { "inputs": { "mesh": "asset.mesh" }, "outputs": { "simplified": "mesh.ply" } },
@@ -52,8 +53,9 @@ class SweepTest : public testing::Test, public BuildObserver {
         "pack": "pack.pack", "frame": "frame", "vary": ["transfer.order=2..3"],
         "frame_parameters": { "width": 64 },
         "cameras": { "front": { "yaw_deg": 25 }, "back": { "yaw_deg": 200 } },
-        "same_scene": ["transfer.albedo"],
-        "scene": { "transfer": { "order": 1, "transport": "none" } },
+        "reference": { "tool": "reference", "outputs": { "image": "reference.exr" },
+                       "inputs": { "mesh": "simplify.simplified", "material": "asset.material",
+                                   "environment": "view.environment", "framing": "truth.image" } },
         "truth": { "set": { "simplify": { "triangles": 1000 } }, "reference": { "transport": "full" } },
         "chain": [
           { "cause": "simplification", "reference": { "transport": { "same_as": "transfer.transport" } } },
@@ -69,18 +71,19 @@ class SweepTest : public testing::Test, public BuildObserver {
         return std::map<std::string, std::string>{{output, made}};
       };
     };
+    Json turn = integer("turn", 0);
+    turn["changes_object"] = true;
     auto& runner = workshop_.runner;
     runner.install("simplify", {tool("simplify", {port("mesh", "mesh")}, {port("simplified", "mesh")},
-                                     {integer("triangles", 100)}),
+                                     {integer("triangles", 100), turn}),
                                 joined("simplified")});
-    runner.install("transfer", {tool("transfer", {port("mesh", "mesh")}, {port("transfer", "tensors")},
-                                     {integer("order", 5), integer("directions", 8), integer("albedo", 1),
-                                      text("transport", "all")}),
-                                [joined](const auto& inputs, const Json& parameters) {
-                                  if (parameters.at("order") == 9)
-                                    throw badInput({"mesh", "", ""}, "is too much");
-                                  return joined("transfer")(inputs, parameters);
-                                }});
+    runner.install("transfer",
+                   {tool("transfer", {port("mesh", "mesh")}, {port("transfer", "tensors")},
+                         {integer("order", 5), integer("directions", 8), text("transport", "all")}),
+                    [joined](const auto& inputs, const Json& parameters) {
+                      if (parameters.at("order") == 9) throw badInput({"mesh", "", ""}, "is too much");
+                      return joined("transfer")(inputs, parameters);
+                    }});
     runner.install("pack",
                    {tool("pack", {port("transfer", "tensors")}, {port("pack", "pack")}, {text("name", "")}),
                     joined("pack")});
@@ -91,7 +94,8 @@ class SweepTest : public testing::Test, public BuildObserver {
     runner.install(
         "reference",
         {tool("reference",
-              {port("pack", "pack"), port("environment", "image", false), port("framing", "image", false)},
+              {port("mesh", "mesh"), port("material", "material", false), port("table", "tensors", false),
+               port("environment", "image", false), port("framing", "image", false)},
               {port("image", "image")},
               {integer("width", 640), integer("yaw_deg", 0), text("transport", "full")}),
          joined("image")});
@@ -138,8 +142,8 @@ class SweepTest : public testing::Test, public BuildObserver {
 TEST_F(SweepTest, WhatVariantsShareIsPlannedOnce) {
   const Sweep sweep = plan();
   ASSERT_EQ(sweep.variants.size(), 2u);
-  // Truth, scene at the variants' simplification, and of each order the variant (equal to its storage link
-  // but for what it delivers) and the link with more directions.
+  // Truth, the variants' simplification, and of each order the variant (equal to its storage link but for
+  // what it delivers) and the link with more directions.
   EXPECT_EQ(sweep.graph.assets.size(), 2u + 2 * 3);
   // Two cameras: the truth, and one simplified scene for both orders.
   EXPECT_EQ(count(sweep, "reference"), 4u);
@@ -159,8 +163,8 @@ TEST_F(SweepTest, LinksDifferFromTheVariantInOneRespect) {
   EXPECT_EQ(transferOf(variant.chain[1].pack).at("directions"), 99);
   EXPECT_EQ(transferOf(variant.chain[2].pack), transferOf(variant.pack));
   const Task& traced = sweep.graph.tasks[variant.chain[0].references[0]];
-  EXPECT_EQ(traced.parameters.at("transport"), "all") << "the variant's, not that of the scene's cheap pack";
-  EXPECT_EQ(transferOf(*traced.inputs.at("pack").maker).at("order"), 1);
+  EXPECT_EQ(traced.parameters.at("transport"), "all") << "the variant's";
+  EXPECT_EQ(sweep.graph.tasks[*traced.inputs.at("mesh").maker].stage, "simplify");
   EXPECT_EQ(traced.inputs.at("framing").maker, sweep.truths[0]) << "seen by the truth's camera";
   const Task& truth = sweep.graph.tasks[sweep.truths[0]];
   EXPECT_EQ(truth.inputs.count("framing"), 0u);
@@ -195,13 +199,32 @@ TEST_F(SweepTest, VaryAndSettingsOfTheCommandLineWin) {
   EXPECT_EQ(parameters.at("order"), 7);
 }
 
-TEST_F(SweepTest, ASceneThatVariesIsRefused) {
+// Ground truth is made of what the asset is, by wires that the recipe has; nothing is baked for it.
+TEST_F(SweepTest, TruthTakesTheMeshAndTheMaterialAndALinkMayTakeMore) {
+  workshop_.disk.write("assets/cube/asset.json",
+                       Json({{"mesh", "cube.obj"}, {"material", {{"albedo", {0.5, 0.5, 0.5}}}}}).dump());
+  recipe_["report"]["chain"][0]["inputs"]["table"] = "transfer.transfer";
+  const Sweep sweep = plan();
+  const Task& truth = sweep.graph.tasks[sweep.truths[0]];
+  EXPECT_EQ(truth.inputs.at("material").value.at("material").at("albedo"), Json({0.5, 0.5, 0.5}));
+  EXPECT_EQ(truth.inputs.count("table"), 0u);
+  for (const Task& task : sweep.graph.tasks)
+    if (task.asset == truth.asset && task.stage == "transfer") {
+      EXPECT_EQ(task.left_out, kNotNeeded);
+    }
+  const Task& linked = sweep.graph.tasks[sweep.variants[1].chain[0].references[0]];
+  const Task& transfer = sweep.graph.tasks[*linked.inputs.at("table").maker];
+  EXPECT_EQ(transfer.parameters.at("order"), 3);
+  EXPECT_EQ(transfer.left_out, "");
+}
+
+TEST_F(SweepTest, AnObjectThatVariesIsRefused) {
   try {
-    plan({.vary = {"transfer.albedo=1,2"}});
+    plan({.vary = {"simplify.turn=1,2"}});
     FAIL() << "accepted";
   } catch (const ProblemsFound& found) {
     EXPECT_EQ(found.errors().front().status(), ExitStatus::kUsage);
-    EXPECT_THAT(found.what(), HasSubstr("transfer.albedo changes the scene itself"));
+    EXPECT_THAT(found.what(), HasSubstr("simplify.turn changes the object itself"));
   }
 }
 

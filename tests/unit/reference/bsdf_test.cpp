@@ -5,11 +5,11 @@
 #include <numbers>
 #include <set>
 
-#include "tests/support/pack_parts.h"
 #include "tests/unit/reference/scenes.h"
 #include "transport/directions.h"
 #include "transport/gauss_legendre.h"
 #include "transport/glossy.h"
+#include "tests/support/pack_parts.h"
 
 namespace bakelight::reference {
 namespace {
@@ -19,12 +19,10 @@ using reference::Integrator;
 
 constexpr double kPi = std::numbers::pi;
 
-formats::MadeReflection lobeMaterial(formats::Lobe model, float parameter, float specular = 0.8f) {
-  formats::MadeReflection material;
-  material.model = model;
-  material.exponent = material.roughness = parameter;
-  material.specular_color = {specular, specular, specular};
-  return material;
+formats::Reflection lobe(formats::Lobe model, float parameter, float specular = 0.8f) {
+  const Float3 color = {specular, specular, specular};
+  if (model == formats::Lobe::kPhong) return formats::PhongReflection{color, parameter};
+  return formats::GgxReflection{color, parameter};
 }
 
 struct LobeCase {
@@ -36,7 +34,7 @@ class LobeShape : public testing::TestWithParam<LobeCase> {
  protected:
   LobeShape()
       : lobe_(GetParam().model == formats::Lobe::kPhong ? Lobe::phong(GetParam().parameter)
-                                                        : Lobe::ggx(GetParam().parameter)),
+                                                             : Lobe::ggx(GetParam().parameter)),
         kernel_(GetParam().model == formats::Lobe::kPhong
                     ? transport::phongKernel(kOrder, GetParam().parameter)
                     : transport::ggxKernel(kOrder, GetParam().parameter)) {}
@@ -95,17 +93,17 @@ Vec3 eyeAt(double angle) {
 class UniformSky : public testing::TestWithParam<std::tuple<LobeCase, Integrator>> {};
 
 TEST_P(UniformSky, LobeGivesItsColourTimesItsShareAboveTheSurface) {
-  const auto& [lobe, integrator] = GetParam();
-  formats::Pack pack = packOf(floorSquare(1), 0.3f);
-  reflectionOf(pack) = lobeMaterial(lobe.model, lobe.parameter);
-  const Scene scene = sceneOf(pack, uniformRig());
+  const auto& [shape, integrator] = GetParam();
+  const Scene scene =
+      sceneOf(surfaceOf(floorSquare(1), 0.3f, lobe(shape.model, shape.parameter), ReflectionModel::kLobe),
+              uniformRig());
   transport::Hit hit;
   hit.valid = true;
   hit.u = hit.v = 0.25f;
   const ShadingPoint point = scene.pointAt(hit);
   double before = 10;
   for (const double angle : {0.0, 0.7, 1.4}) {
-    const Bsdf bsdf(scene.material(), point.albedo, point.normal, eyeAt(angle), true);
+    const Bsdf bsdf(&scene.material(0), point.albedo, point.normal, eyeAt(angle));
     const double expected = underUniformSky(bsdf);
     if (angle == 0) {
       EXPECT_NEAR(expected, 0.3 + 0.8, 0.002);  // the whole lobe is above
@@ -125,10 +123,14 @@ INSTANTIATE_TEST_SUITE_P(Lobes, UniformSky,
                                                           LobeCase{formats::Lobe::kGgx, 0.8f}),
                                           testing::Values(Integrator::kMis, Integrator::kUniform)));
 
-TEST(Bsdf, SamplesIntegrateToOneAndKnowTheirDensity) {
-  const Material material(lobeMaterial(formats::Lobe::kGgx, 0.5f, 0.4f));
+class Sampled : public testing::TestWithParam<ReflectionModel> {};
+
+TEST_P(Sampled, IntegratesToOneAndKnowsItsDensity) {
+  // Rough facets that scatter several times, for the physical one.
+  const formats::GgxReflection ggx{{0.4F, 0.4F, 0.4F}, 0.5, true, true};
+  const Glossy material = glossyOf(ggx, GetParam(), {});
   const Vec3 normal = Vec3(1, 2, -0.5).normalized(), outgoing = Vec3(0.3, 1, 0.4).normalized();
-  const Bsdf bsdf(material, Rgb(0.2, 0.5, 0.7), normal, outgoing, true);
+  const Bsdf bsdf(&material, Rgb(0.2, 0.5, 0.7), normal, outgoing);
   double density = 0, reflectance = 0;
   const auto directions = transport::sphereDirections(200000);
   for (const Vec3& direction : directions) {
@@ -155,6 +157,67 @@ TEST(Bsdf, SamplesIntegrateToOneAndKnowTheirDensity) {
   EXPECT_GT(below, 0);
 }
 
+INSTANTIATE_TEST_SUITE_P(Models, Sampled,
+                         testing::Values(ReflectionModel::kLobe, ReflectionModel::kPhysical));
+
+// Both ways to take the integral, by directions that know the facets and by some that do not.
+TEST(Physical, BothIntegratorsAgreeUnderADisk) {
+  for (const double roughness : {0.3, 0.6, 0.9}) {
+    const formats::GgxReflection ggx{{0.7F, 0.5F, 0.3F}, roughness, true, roughness > 0.5};
+    const Scene scene = sceneOf(surfaceOf(floorSquare(1), 0.2F, ggx), diskRig(40, 3, {-0.6F, 1, 0.2F}));
+    const ShadingPoint point = scene.pointAtVertex(0);
+    const Vec3 outgoing = eyeAt(0.7);
+    const auto mis = estimate(scene, {.integrator = Integrator::kMis}, point, outgoing, 512);
+    const auto uniform = estimate(scene, {.integrator = Integrator::kUniform}, point, outgoing, 4096);
+    EXPECT_NEAR(mis.luminance(), uniform.luminance(),
+                3.5 * std::hypot(standardError(mis), standardError(uniform)));
+    EXPECT_LT(standardError(mis), 0.01 * mis.luminance());
+    EXPECT_LT(standardError(uniform), 0.02 * uniform.luminance());
+  }
+}
+
+// White facets, with or without a diffuse ground, under a uniform sky.
+TEST(Physical, FurnaceIsWhiteWithMultipleScatteringAndDarkerWithout) {
+  for (const bool multiple : {false, true}) {
+    const formats::GgxReflection ggx{{1, 1, 1}, 0.9, false, multiple};
+    const Scene scene = sceneOf(surfaceOf(floorSquare(1), 0, ggx), uniformRig());
+    const auto means = estimate(scene, {}, scene.pointAtVertex(0), eyeAt(0.6), 1024);
+    if (multiple) {
+      EXPECT_NEAR(means.luminance(), 1, 3.5 * standardError(means) + 0.002);
+    } else {
+      EXPECT_LT(means.luminance(), 0.9);
+    }
+  }
+}
+
+TEST(Physical, EachFaceHasItsOwnMaterial) {
+  TriangleMesh mesh = floorSquare(1);
+  Surface surface = surfaceOf(flatShaded(mesh), 0, formats::GgxReflection{{0.5F, 0.5F, 0.5F}, 0});
+  surface.material.reflections.push_back(formats::GgxReflection{{0.25F, 0.25F, 0.25F}, 0});
+  surface.material.of_triangle = {0, 1};
+  const Scene scene = sceneOf(surface, uniformRig());
+  for (const std::uint32_t triangle : {0U, 1U}) {
+    transport::Hit hit;
+    hit.valid = true;
+    hit.triangle = triangle;
+    hit.u = hit.v = 0.25F;
+    const double expected = triangle == 0 ? 0.5 : 0.25;
+    EXPECT_NEAR(estimate(scene, {}, scene.pointAt(hit), eyeAt(0.4), 2).luminance(), expected, 1e-9);
+    EXPECT_NEAR(estimate(scene, {}, scene.pointAtVertex(3 * triangle), eyeAt(0.4), 2).luminance(), expected,
+                1e-9);
+  }
+}
+
+TEST(Physical, ATableThatIsAskedForMustBeThere) {
+  EXPECT_THROW(glossyOf(formats::GgxReflection(), ReflectionModel::kTable, {}), Error);
+  EXPECT_TRUE(
+      std::holds_alternative<std::monostate>(glossyOf(formats::GgxReflection(), ReflectionModel::kNone, {})));
+  EXPECT_TRUE(
+      std::holds_alternative<TintedLobe>(glossyOf(formats::GgxReflection(), ReflectionModel::kLobe, {})));
+  EXPECT_TRUE(std::holds_alternative<TintedLobe>(
+      glossyOf(formats::PhongReflection(), ReflectionModel::kPhysical, {})));
+}
+
 // 4 × 2 texels of different colours.
 formats::LightRig coarseImageRig() {
   formats::LightRig rig;
@@ -166,10 +229,13 @@ formats::LightRig coarseImageRig() {
   return rig;
 }
 
-TEST(Mirror, ShowsExactlyWhatItSees) {
-  formats::Pack pack = packOf(floorSquare(1), 0);
-  reflectionOf(pack) = lobeMaterial(formats::Lobe::kGgx, 0, 0.5f);
-  const Scene scene = sceneOf(pack, coarseImageRig());
+class Mirror : public testing::TestWithParam<ReflectionModel> {};
+INSTANTIATE_TEST_SUITE_P(Models, Mirror, testing::Values(ReflectionModel::kLobe, ReflectionModel::kPhysical));
+
+TEST_P(Mirror, ShowsExactlyWhatItSees) {
+  const ReflectionModel model = GetParam();
+  const Scene scene =
+      sceneOf(surfaceOf(floorSquare(1), 0, lobe(formats::Lobe::kGgx, 0, 0.5f), model), coarseImageRig());
   transport::Hit hit;
   hit.valid = true;
   hit.u = hit.v = 0.25f;
@@ -190,10 +256,10 @@ TEST(Mirror, ShowsExactlyWhatItSees) {
 }
 
 // Diffuse part and mirror of one surface add up.
-TEST(Mirror, AddsToTheDiffusePart) {
-  formats::Pack pack = packOf(floorSquare(1), 0.4f);
-  reflectionOf(pack) = lobeMaterial(formats::Lobe::kGgx, 0, 0.5f);
-  const Scene scene = sceneOf(pack, uniformRig());
+TEST_P(Mirror, AddsToTheDiffusePart) {
+  const ReflectionModel model = GetParam();
+  const Scene scene =
+      sceneOf(surfaceOf(floorSquare(1), 0.4f, lobe(formats::Lobe::kGgx, 0, 0.5f), model), uniformRig());
   const ShadingPoint point = scene.pointAtVertex(0);
   for (const auto integrator : {Integrator::kMis, Integrator::kUniform}) {
     const auto means = estimate(scene, {.integrator = integrator}, point, eyeAt(0.5), 256);
@@ -205,14 +271,13 @@ TEST(Mirror, AddsToTheDiffusePart) {
 // Bounces off another surface count a lobe in full transport only.
 TEST(Transport, InterreflectedLeavesLobesOfLaterBouncesOut) {
   // A mirror floor, and a mirror wall behind it that a floor's mirror shows.
-  formats::Pack pack = packOf(floorSquare(2), 0);
+  Surface surface = surfaceOf(floorSquare(2), 0, lobe(formats::Lobe::kGgx, 0, 0.5f));
   TriangleMesh wall = floorSquare(2);
   for (auto& position : wall.positions) position = {-1, position[0] + 2, position[2]};
   for (auto& normal : wall.normals) normal = {1, 0, 0};
   for (auto& triangle : wall.triangles) std::swap(triangle[1], triangle[2]);
-  append(pack.mesh, wall);
-  reflectionOf(pack) = lobeMaterial(formats::Lobe::kGgx, 0, 0.5f);
-  const Scene scene = sceneOf(pack, uniformRig());
+  append(surface.mesh, wall);
+  const Scene scene = sceneOf(surface, uniformRig());
   const ShadingPoint point{Vec3(0, 1e-4, 0), Vec3::UnitY(), Rgb::Zero()};
   const Vec3 outgoing = Vec3(1, 1, 0).normalized();  // reflected towards the wall
   EXPECT_NEAR(estimate(scene, {}, point, outgoing, 4).luminance(), 0.25, 1e-9);
@@ -224,9 +289,7 @@ TEST(Transport, InterreflectedLeavesLobesOfLaterBouncesOut) {
 
 // A table's value is its SH expansion, as tableRows has it, over the hemisphere above the surface.
 TEST(Table, IsItsExpansion) {
-  formats::Pack pack = packOf(floorSquare(1), 0.2f);
-  reflectionOf(pack) = formats::BrdfTable();
-  formats::BrdfTable& table = reflectionAs<formats::BrdfTable>(pack);
+  formats::BrdfTable table;
   table.angles = 3;
   table.order = 4;
   for (int angle = 0; angle < table.angles; ++angle)
@@ -235,7 +298,8 @@ TEST(Table, IsItsExpansion) {
         for (int m = -l; m <= l; ++m)
           table.values.push_back(
               m < 0 ? 0.0f : 0.3f / static_cast<float>(1 + l + m) + 0.05f * static_cast<float>(angle + c));
-  const Scene scene = sceneOf(pack, uniformRig());
+  const Scene scene =
+      sceneOf(surfaceOf(floorSquare(1), 0.2f, formats::TableReflection{"", table}), uniformRig());
   const ShadingPoint point = scene.pointAtVertex(1);
   const auto directions = transport::sphereDirections(100000);
   for (const double angle : {0.2, 1.1}) {

@@ -21,7 +21,7 @@ TEST_P(Furnace, ConvexBodySendsItsAlbedo) {
   const TriangleMesh mesh = smooth ? icosphere(2) : flatShaded(icosphere(1));
   Options options = pictureOptions(40, 30, 256);
   options.at = at;
-  const Reference made = render(packOf(mesh, albedo), uniformRig(), options);
+  const Reference made = render(surfaceOf(mesh, albedo), uniformRig(), options);
   const float expected_radiance = albedo;
   const auto statistics = compareWith(
       made.picture.image, [&](std::size_t) { return expected_radiance; }, [](std::size_t) { return 0.0; });
@@ -46,7 +46,7 @@ class CavityRadiance : public testing::TestWithParam<float> {};
 TEST_P(CavityRadiance, IsTheClosedForm) {
   const float albedo = GetParam();
   const Cavity cavity = sphericalCavity(0.25, 3);
-  const Scene scene = sceneOf(packOf(cavity.mesh, albedo), uniformRig());
+  const Scene scene = sceneOf(surfaceOf(cavity.mesh, albedo), uniformRig());
   const double f = cavity.mean_open_fraction, back = albedo * (1 - f);
   double chi_squared = 0, full = 0, full_variance = 0, one = 0, one_variance = 0;
   int compared = 0;
@@ -83,7 +83,7 @@ TEST_P(CavityRadiance, IsTheClosedForm) {
 INSTANTIATE_TEST_SUITE_P(Albedos, CavityRadiance, testing::Values(0.5f, 0.9f));
 
 TEST(Cavity, ClosedIsDark) {
-  const Scene scene = sceneOf(packOf(insideOut(icosphere(2)), 1), uniformRig());
+  const Scene scene = sceneOf(surfaceOf(insideOut(icosphere(2)), 1), uniformRig());
   const ShadingPoint point = scene.pointAtVertex(5);
   EXPECT_EQ(estimate(scene, {}, point, point.normal, 8).luminance(), 0);
 }
@@ -94,7 +94,7 @@ class DiskLight : public testing::TestWithParam<Integrator> {};
 TEST_P(DiskLight, IrradianceOnASphere) {
   const double half_angle = 0.35, albedo = 0.6;
   const Scene scene =
-      sceneOf(packOf(icosphere(2), static_cast<float>(albedo)), diskRig(half_angle * 180 / kPi, 2));
+      sceneOf(surfaceOf(icosphere(2), static_cast<float>(albedo)), diskRig(half_angle * 180 / kPi, 2));
   int compared = 0;
   double chi_squared = 0;
   for (std::uint32_t v = 0; v < scene.mesh().vertexCount(); ++v) {
@@ -125,7 +125,7 @@ INSTANTIATE_TEST_SUITE_P(Integrators, DiskLight, testing::Values(Integrator::kMi
 TEST(DirectionalLight, IrradianceIsThatOfTheCosine) {
   formats::LightRig rig;
   rig.distant.emplace_back(formats::DirectionalLight{{0, 2, 0}, {3, 2, 1}});
-  const Scene scene = sceneOf(packOf(icosphere(2), 0.5f), rig);
+  const Scene scene = sceneOf(surfaceOf(icosphere(2), 0.5f), rig);
   for (const auto integrator : {Integrator::kMis, Integrator::kUniform})
     for (std::uint32_t v = 0; v < 40; ++v) {
       const ShadingPoint point = scene.pointAtVertex(v);
@@ -160,7 +160,7 @@ TEST_P(QuadEmitter, IrradianceIsLamberts) {
   quad.height = 0.5;
   quad.radiance = {5, 5, 5};
   rig.emitters.push_back(quad);
-  const Scene scene = sceneOf(packOf(floorSquare(1), 0.7f), rig);
+  const Scene scene = sceneOf(surfaceOf(floorSquare(1), 0.7f), rig);
   std::vector<Vec3> corners;
   for (const auto& [x, z] : {std::pair(-0.4, -0.25), {0.4, -0.25}, {0.4, 0.25}, {-0.4, 0.25}})
     corners.emplace_back(0.2 + x, 0.7, 0.1 + z);
@@ -195,7 +195,7 @@ TEST(Emitters, HideTheSkyAndSurroundWithTheirOwnLight) {
   shell.radius = 3;
   shell.radiance = {2, 2, 2};
   rig.emitters.push_back(shell);
-  const Scene scene = sceneOf(packOf(icosphere(1), 0.5f), rig);
+  const Scene scene = sceneOf(surfaceOf(icosphere(1), 0.5f), rig);
   const ShadingPoint point = scene.pointAtVertex(7);
   for (const auto integrator : {Integrator::kMis, Integrator::kUniform})
     for (const auto transport : {Transport::kFull, Transport::kShadowed, Transport::kUnshadowed}) {
@@ -220,7 +220,7 @@ TEST(Emitters, ManyAgreeWithDirectionsOverTheHemisphere) {
     sphere.radiance = {radiance, radiance, radiance};
     rig.emitters.push_back(sphere);
   }
-  const Scene scene = sceneOf(packOf(floorSquare(1), 0.7f), rig);
+  const Scene scene = sceneOf(surfaceOf(floorSquare(1), 0.7f), rig);
   transport::Hit hit;
   hit.valid = true;
   hit.u = hit.v = 0.25f;

@@ -20,11 +20,11 @@ namespace {
 using namespace bakelight::tests;
 
 // The default asset.
-const formats::Pack& bunny() {
-  static const formats::Pack pack = [] {
+const Surface& bunny() {
+  static const Surface surface = [] {
     const auto path = std::filesystem::path(BAKELIGHT_BIN_DIR).parent_path() / "assets/models/bunny.obj";
     const TriangleMesh mesh = formats::importMesh(path).mesh;
-    formats::Pack made = packOf(mesh, 0.8f);
+    Surface made = surfaceOf(mesh, 0.8f);
     // Smooth normals, by area.
     std::vector<Vec3> sums(mesh.vertexCount(), Vec3::Zero());
     for (const auto& [a, b, c] : mesh.triangles) {
@@ -37,7 +37,7 @@ const formats::Pack& bunny() {
       made.mesh.normals.push_back(sum.norm() > 0 ? float3(sum.normalized()) : Float3{0, 1, 0});
     return made;
   }();
-  return pack;
+  return surface;
 }
 
 // A wide lamp over a dim sky, of which directions over the hemisphere find enough.
@@ -130,14 +130,14 @@ TEST(Sun, OfAMillionOverASkyOfOneConverges) {
   rig.distant.emplace_back(formats::DiskLight{{0, 1, 0}, 180, {1, 1, 1}});
   Options options = pictureOptions(40, 30, 256);
   options.effort.relative_error = 0.01;
-  const Reference made = render(packOf(icosphere(3), 0.5f), rig, options);
+  const Reference made = render(surfaceOf(icosphere(3), 0.5f), rig, options);
   std::printf("%d samples, relative error %.4f\n", made.picture.report.samples,
               made.picture.report.relative_error);
   EXPECT_TRUE(made.picture.report.converged);
   EXPECT_LE(made.picture.report.samples, 256);
   EXPECT_LE(made.picture.report.relative_error, 0.01);
 
-  const Scene scene = sceneOf(packOf(icosphere(3), 0.5f), rig);
+  const Scene scene = sceneOf(surfaceOf(icosphere(3), 0.5f), rig);
   const Vec3 sun = Vec3(0.3, 1, 0.5).normalized();
   int compared = 0;
   for (std::uint32_t v = 0; v < scene.mesh().vertexCount(); v += 13) {
@@ -163,7 +163,7 @@ TEST(Sun, InAnImageConvergesLikewise) {
   rig.distant.emplace_back(environment);
   Options options = pictureOptions(40, 30, 256);
   options.effort.relative_error = 0.0125;  // texels are drawn among a sky of others
-  const Reference made = render(packOf(icosphere(3), 0.5f), rig, options);
+  const Reference made = render(surfaceOf(icosphere(3), 0.5f), rig, options);
   EXPECT_TRUE(made.picture.report.converged) << made.picture.report.relative_error;
 }
 
@@ -172,7 +172,7 @@ class ConvexBody : public testing::TestWithParam<At> {};
 TEST_P(ConvexBody, HasTheSameLightInEveryTransport) {
   Options options = pictureOptions(28, 21, 256);
   options.at = GetParam();
-  const formats::Pack ball = packOf(icosphere(3), 0.9f);
+  const Surface ball = surfaceOf(icosphere(3), 0.9f);
   const Reference full = render(ball, wideLamp(), options);
   for (const auto transport : {Transport::kInterreflected, Transport::kShadowed, Transport::kUnshadowed}) {
     options.paths.transport = transport;
@@ -211,8 +211,8 @@ TEST(Vertices, AreInterpolatedWithTheirVariance) {
   Options options = pictureOptions(24, 18, 64);
   options.at = At::kVertices;
   options.frame.pitch_deg = 80;
-  formats::Pack floor = packOf(floorSquare(1), 1);
-  floor.colors = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5f, 0.5f, 0.5f}};
+  Surface floor = surfaceOf(floorSquare(1), 1);
+  floor.material.vertex_albedo = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5f, 0.5f, 0.5f}};
   const Reference made = render(floor, wideLamp(), options);
   const formats::Image& image = made.picture.image;
   const float* middle = image.texel(12, 9);
@@ -236,16 +236,16 @@ TEST(Vertices, AreInterpolatedWithTheirVariance) {
 }
 
 TEST(Pictures, AreTheSameWithAnyNumberOfThreads) {
-  const formats::Pack ball = packOf(icosphere(2), 0.8f);
+  const Surface ball = surfaceOf(icosphere(2), 0.8f);
   for (const At at : {At::kPixels, At::kVertices}) {
     Options options = pictureOptions(24, 18, 4096);
     options.at = at;
     options.effort.relative_error = at == At::kPixels ? 0.05 : 0.01;
-    const formats::Pack& pack = at == At::kPixels ? bunny() : ball;
+    const Surface& surface = at == At::kPixels ? bunny() : ball;
     std::vector<Reference> made;
     for (const std::size_t threads : {1, 2, 5}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-      made.push_back(render(pack, wideLamp(), options));
+      made.push_back(render(surface, wideLamp(), options));
     }
     for (std::size_t i = 1; i < made.size(); ++i) {
       EXPECT_EQ(made[0].picture.image.values, made[i].picture.image.values);
@@ -254,7 +254,7 @@ TEST(Pictures, AreTheSameWithAnyNumberOfThreads) {
     }
     EXPECT_GT(made[0].picture.report.rounds, 1);
     options.seed = 7;
-    EXPECT_NE(made[0].picture.image.values, render(pack, wideLamp(), options).picture.image.values);
+    EXPECT_NE(made[0].picture.image.values, render(surface, wideLamp(), options).picture.image.values);
   }
 }
 
@@ -310,14 +310,14 @@ TEST(Pictures, ShowEmittersAndTheBackground) {
   for (const At at : {At::kPixels, At::kVertices}) {
     options.at = at;
     options.frame.background = formats::Background::kEnvironment;
-    const formats::Image over_sky = render(packOf(icosphere(1), 0.5f), rig, options).picture.image;
+    const formats::Image over_sky = render(surfaceOf(icosphere(1), 0.5f), rig, options).picture.image;
     EXPECT_NEAR(over_sky.texel(20, 15)[0], 50, 1e-4);
     EXPECT_NEAR(over_sky.texel(20, 15)[2], 70, 1e-4);
     EXPECT_EQ(over_sky.texel(20, 15)[3], 1);
     EXPECT_NEAR(over_sky.texel(0, 0)[0], 3, 1e-3);
     EXPECT_EQ(over_sky.texel(0, 0)[3], 1);
     options.frame.background = formats::Background::kTransparent;
-    const formats::Image alone = render(packOf(icosphere(1), 0.5f), rig, options).picture.image;
+    const formats::Image alone = render(surfaceOf(icosphere(1), 0.5f), rig, options).picture.image;
     EXPECT_EQ(alone.texel(0, 0)[0], 0);
     EXPECT_EQ(alone.texel(0, 0)[3], 0);
   }
@@ -343,11 +343,11 @@ TEST(Metadata, FramesAnotherMeshAlike) {
   Options options = pictureOptions(16, 12, 32);
   options.frame.distance = 1.25;
   const Reference made =
-      render(packOf(icosphere(1, 2, Vec3(0.1, 0.7, -1 / 3.0)), 0.5f), uniformRig(), options);
+      render(surfaceOf(icosphere(1, 2, Vec3(0.1, 0.7, -1 / 3.0)), 0.5f), uniformRig(), options);
   const auto bounds = boundsFromMetadata(made.metadata, "");
   EXPECT_EQ(bounds.radius, transport::boundingSphere(icosphere(1, 2, Vec3(0.1, 0.7, -1 / 3.0))).radius);
-  const Reference other =
-      makeReference(packOf(icosphere(1), 0.5f), uniformRig(), options, bounds, stage::ProgressStyle::kNone);
+  const Reference other = makeReference(surfaceOf(icosphere(1), 0.5f), uniformRig(), options, bounds,
+                                        stage::ProgressStyle::kNone);
   for (const char* key : {"bakelight:eye", "bakelight:target", "bakelight:fov_deg", "bakelight:frame"})
     EXPECT_EQ(other.metadata.at(key), made.metadata.at(key)) << key;
   EXPECT_NE(other.picture.image.values, made.picture.image.values);
@@ -360,14 +360,14 @@ TEST(Metadata, FramesAnotherMeshAlike) {
   EXPECT_THROW(boundsFromMetadata({}, "a.exr"), Error);
 }
 
-TEST(Scene, RefusesPacksThatCannotBeShaded) {
-  formats::Pack no_normals = packOf(icosphere(1), 0.5f);
+TEST(Scene, RefusesMeshesThatCannotBeShaded) {
+  Surface no_normals = surfaceOf(icosphere(1), 0.5f);
   no_normals.mesh.normals.clear();
-  formats::Pack no_triangles = packOf(icosphere(1), 0.5f);
+  Surface no_triangles = surfaceOf(icosphere(1), 0.5f);
   no_triangles.mesh.triangles.clear();
-  for (const auto* pack : {&no_normals, &no_triangles}) {
+  for (const auto* surface : {&no_normals, &no_triangles}) {
     try {
-      render(*pack, uniformRig(), pictureOptions(8, 6, 32));
+      render(*surface, uniformRig(), pictureOptions(8, 6, 32));
       FAIL() << "accepted";
     } catch (const Error& error) {
       EXPECT_EQ(error.status(), ExitStatus::kBadInput);

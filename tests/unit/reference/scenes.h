@@ -1,10 +1,9 @@
-// Packs, lights and estimates for the path tracer's tests.
+// Surfaces, lights and estimates for the path tracer's tests.
 #pragma once
 
 #include <cmath>
 
 #include "formats/light_rig.h"
-#include "formats/pack_contents.h"
 #include "tests/support/shapes.h"
 #include "tools/reference/reference.h"
 
@@ -12,11 +11,13 @@ namespace bakelight::tests {
 
 using reference::Rgb;
 
-inline formats::Pack packOf(const TriangleMesh& mesh, float albedo) {
-  formats::Pack pack;
-  pack.mesh = mesh;
-  pack.appearances[0].base_color = {albedo, albedo, albedo};
-  return pack;
+inline reference::Surface surfaceOf(
+    const TriangleMesh& mesh, float albedo, const formats::Reflection& reflection = formats::Lambert(),
+    reference::ReflectionModel model = reference::ReflectionModel::kPhysical) {
+  reference::Surface surface{mesh, {}, model};
+  surface.material.reflections = {reflection};
+  surface.material.albedo = {albedo, albedo, albedo};
+  return surface;
 }
 
 inline formats::LightRig diskRig(double half_angle_deg, float radiance, const Float3& direction = {0, 1, 0}) {
@@ -55,9 +56,9 @@ inline TriangleMesh floorSquare(float half_width) {
   return mesh;
 }
 
-inline reference::Scene sceneOf(const formats::Pack& pack, const formats::LightRig& rig,
+inline reference::Scene sceneOf(const reference::Surface& surface, const formats::LightRig& rig,
                                 const formats::FrameSettings& frame = {}) {
-  return {pack, rig, frame, transport::boundingSphere(pack.mesh)};
+  return {surface, rig, frame, transport::boundingSphere(surface.mesh)};
 }
 
 // Exit radiance of a point from so many batches of 16 samples.
@@ -91,9 +92,9 @@ inline reference::Options pictureOptions(int width_px, int height_px, int sample
   return options;
 }
 
-inline reference::Reference render(const formats::Pack& pack, const formats::LightRig& rig,
+inline reference::Reference render(const reference::Surface& surface, const formats::LightRig& rig,
                                    const reference::Options& options) {
-  return reference::makeReference(pack, rig, options, std::nullopt, stage::ProgressStyle::kNone);
+  return reference::makeReference(surface, rig, options, std::nullopt, stage::ProgressStyle::kNone);
 }
 
 // Differences of pixels that are covered wholly, in units of their standard errors.

@@ -83,21 +83,6 @@ TEST(Evaluation, BrokenPacksStandOut) {
     EXPECT_GT(evaluation.variants[v].errors.rel_rmse, 4 * error) << made.json["variants"][v]["name"];
 }
 
-// An albedo that only some variants have: no variant can be right that has another one than the reference.
-TEST(Evaluation, WarnsOfVariantsThatShowAnotherScene) {
-  MadeReport made(truth());
-  formats::Pack darker = madeGlossyPack(3);
-  darker.appearances[0].base_color = {0.5F, 0.42F, 0.36F};
-  made.addVariant("first", Json::object(), madeGlossyPack(2));
-  made.addVariant("second", Json::object(), madeGlossyPack(3));
-  made.addVariant("darker", Json::object(), darker);
-  const Evaluation evaluation = evaluate(made);
-  ASSERT_EQ(evaluation.warnings.size(), 1u);
-  EXPECT_THAT(
-      evaluation.warnings[0],
-      testing::AllOf(testing::HasSubstr("darker"), testing::HasSubstr("0.420"), testing::HasSubstr("0.600")));
-}
-
 // Links in a row: each cause is the distance of neighbours, in units of the truth.
 TEST(Evaluation, SplitsTheErrorIntoItsCauses) {
   MadeReport made(truth());

@@ -1,0 +1,123 @@
+// What a surface is made of: a file of its own (docs/FORMATS.md, "Materials"), or a part of asset.json. All
+// that looks at a material reads it here.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "formats/error.h"
+#include "formats/json.h"
+#include "formats/pack_contents.h"
+#include "formats/triangle_mesh.h"
+
+namespace bakelight::formats {
+
+struct TensorFile;
+
+// What is reflected besides the diffuse part.
+
+struct Lambert {  // nothing
+  bool operator==(const Lambert&) const = default;
+};
+
+// (exponent + 1)/2π · cos^exponent around the mirror direction, times the specular colour.
+struct PhongReflection {
+  Float3 specular_color = {0.2F, 0.2F, 0.2F};  // 0–1
+  double exponent = 32;                        // 0–100,000
+  bool operator==(const PhongReflection&) const = default;
+};
+
+// Microfacets of the GGX distribution, alpha = roughness² (transport/microfacet.h).
+struct GgxReflection {
+  Float3 specular_color = {0.2F, 0.2F, 0.2F};  // reflectance of a microfacet, 0–1
+  double roughness = 0.3;                      // 0–1; 0 is a mirror
+  bool fresnel = false;                        // reflectance rises to 1 towards grazing angles (Schlick 1994)
+  bool multiple_scattering = false;            // between microfacets; without it, that light is lost
+  bool operator==(const GgxReflection&) const = default;
+};
+
+// Any isotropic BRDF, projected by the tool `brdf`.
+struct TableReflection {
+  std::filesystem::path file;
+  BrdfTable table;  // of order 0 until it is read
+  bool operator==(const TableReflection& other) const { return file == other.file; }
+};
+
+using Reflection = std::variant<Lambert, PhongReflection, GgxReflection, TableReflection>;
+
+inline constexpr Float3 kDefaultAlbedo = {0.8F, 0.8F, 0.8F};
+
+struct Material {
+  std::string name;
+  // Diffuse reflectance, linear, 0–1. Nothing: the mesh's colours, or kDefaultAlbedo where it has none.
+  std::optional<Float3> albedo;
+  std::filesystem::path texture;  // instead; `simplify` takes it to the mesh's colours
+  Reflection reflection;
+};
+
+// The material of an asset, and those of faces that the mesh gives a name to (TriangleMesh::material_names).
+struct Materials {
+  Material base;
+  std::map<std::string, Material> by_name = {};
+
+  const Material& of(const std::string& name) const;  // `base` if there is none of that name
+};
+
+// What a file name in a material means. Throws Error(kBadInput) at the place if there is no such file.
+using FileResolver = std::function<std::filesystem::path(const std::string& name, const ErrorPlace& place)>;
+// Relative to `folder`.
+FileResolver relativeTo(std::filesystem::path folder);
+
+// One material, or { "material": one, "materials": { name: one } }, of which either may be missing. Tables
+// are read. Throws Error(kBadInput) naming file and JSON pointer for an unknown key (with the nearest one), a
+// wrong type or a value out of range, and as readBrdfTable.
+Materials readMaterials(const std::filesystem::path& path);
+// As readMaterials, with no material at all where the path is empty: grey, without reflection.
+Materials readMaterialsOrDefault(const std::filesystem::path& path);
+// Without reading tables.
+Materials materialsFromJson(const Json& json, const std::string& file, const std::string& pointer,
+                            const FileResolver& files);
+Material materialFromJson(const Json& json, const std::string& file, const std::string& pointer,
+                          const FileResolver& files);
+
+// What readMaterials reads, file names as they are in the material. Of each material only the members
+// `parts`, of "name", "albedo" (with the texture) and "reflection"; all of them if it is empty.
+Json toJson(const Materials& materials, const std::vector<std::string>& parts = {});
+
+// "none", "phong", "ggx", "table".
+const char* nameOf(const Reflection& reflection);
+
+// What the player takes for a reflection at run time: GGX becomes a lobe that is symmetric around the mirror
+// direction.
+PackPart runtimeLobe(const Reflection& reflection);
+
+// What the tool `brdf` writes. Throws Error(kBadInput) naming tensor or key.
+BrdfTable brdfTableFrom(const TensorFile& tensors, const std::string& file);
+BrdfTable readBrdfTable(const std::filesystem::path& path);
+
+// The materials of one mesh, as its vertices and triangles have them.
+struct SurfaceMaterials {
+  std::vector<Reflection> reflections = {Lambert()};  // at least one
+  std::vector<std::uint32_t> of_triangle;             // into `reflections`; empty: all have the first
+  Float3 albedo = kDefaultAlbedo;                     // where `vertex_albedo` is empty
+  std::vector<Float3> vertex_albedo;                  // empty, or one a vertex
+  bool replaces_colors = false;  // the mesh has colours, and a material's albedo instead of them
+
+  // That of all triangles that there are; nothing if they differ.
+  const Reflection* only() const;
+};
+
+// Throws Error(kBadInput): naming `material_file` for a material of a name that no face has, or a texture
+// that the mesh has no colours of; naming `mesh_file` where a vertex belongs to faces of different albedo
+// (`simplify` gives each its own).
+SurfaceMaterials materialsOn(const TriangleMesh& mesh, const Materials& materials,
+                             const std::string& mesh_file, const std::string& material_file);
+
+}  // namespace bakelight::formats

@@ -1,0 +1,128 @@
+#include "pipeline/report_recipe.h"
+
+#include "formats/error.h"
+
+namespace bakelight::pipeline {
+using formats::Json;
+namespace {
+
+// Settings from { stage: { parameter: value } }.
+std::vector<Setting> settingsOf(const Json& set, const std::string& origin) {
+  std::vector<Setting> settings;
+  for (const auto& [stage, parameters] : set.items())
+    for (const auto& [parameter, value] : parameters.items()) {
+      const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+      settings.push_back({stage, parameter, text, origin});
+    }
+  return settings;
+}
+
+std::vector<Setting> settingsAt(const JsonObject& object, const char* key) {
+  const JsonObject stages = object.object(key);
+  for (const std::string& stage : stages.keys()) stages.object(stage);
+  const ErrorPlace place = object.placeOf(key);
+  return object.has(key) ? settingsOf(object.value(key), place.file + ", at " + place.pointer)
+                         : std::vector<Setting>();
+}
+
+Wire wireAt(const JsonObject& object, const std::string& key) {
+  const std::string text = object.text(key);
+  const std::size_t dot = text.find('.');
+  return {text.substr(0, dot), dot == std::string::npos ? "" : text.substr(dot + 1)};
+}
+
+bool makes(const Recipe& recipe, const Wire& wire) {
+  const auto stage = recipe.stages.find(wire.stage);
+  return stage != recipe.stages.end() && stage->second.outputs.count(wire.port) > 0;
+}
+
+}  // namespace
+
+ReportRecipe::ReportRecipe(const Recipe& recipe, Problems& problems)
+    : recipe_(recipe), object_(recipe.report, recipe.file, "/report") {
+  if (recipe.report.empty())
+    throw badInput({recipe.file, "", "/report"}, "the recipe does not say how its packs are measured",
+                   "a section \"report\" (docs/REPORT.md)", "use a recipe that has one");
+  object_.allowKeys({"pack", "frame", "vary", "frame_parameters", "cameras", "reference", "truth", "chain"},
+                    problems);
+}
+
+Wire ReportRecipe::pack() const {
+  const Wire wire = wireAt(object_, "pack");
+  if (!makes(recipe_, wire))
+    throw badInput(object_.placeOf("pack"), "there is no output \"" + wire.text() + "\"",
+                   "\"stage.output\" of this recipe");
+  return wire;
+}
+
+std::string ReportRecipe::frameStage() const {
+  return object_.text("frame", "");
+}
+
+std::vector<std::string> ReportRecipe::vary() const {
+  return object_.texts("vary");
+}
+
+JsonObject ReportRecipe::cameras() const {
+  return object_.object("cameras");
+}
+
+Json ReportRecipe::frameParameters() const {
+  return object_.has("frame_parameters") ? object_.value("frame_parameters") : Json::object();
+}
+
+ReportRecipe::Reference ReportRecipe::reference(Problems& problems) const {
+  const JsonObject object = object_.object("reference");
+  object.allowKeys({"tool", "inputs", "outputs"}, problems);
+  Reference reference{object.text("tool"), inputsOf(object), "", ""};
+  const JsonObject outputs = object.object("outputs");
+  if (outputs.keys().size() != 1)
+    throw badInput(object.placeOf("outputs"), "it has " + std::to_string(outputs.keys().size()) + " outputs",
+                   "one, { \"image\": \"reference.exr\" }");
+  reference.output = outputs.keys().front();
+  reference.file = outputs.text(reference.output);
+  return reference;
+}
+
+ReportRecipe::Link ReportRecipe::truth() const {
+  return link(object_.object("truth"), kTruth);
+}
+
+std::vector<ReportRecipe::Link> ReportRecipe::chain(Problems& problems) const {
+  std::vector<Link> links;
+  if (!object_.has("chain")) return links;
+  const Json& list = object_.value("chain");
+  if (!list.is_array()) throw badInput(object_.placeOf("chain"), "is no list", "a list of links");
+  for (std::size_t i = 0; i < list.size(); ++i)
+    problems.attempt([&] {
+      const JsonObject entry(list[i], recipe_.file, "/report/chain/" + std::to_string(i));
+      entry.allowKeys({"cause", "set", "reference", "inputs"}, problems);
+      links.push_back(link(entry, entry.text("cause")));
+    });
+  return links;
+}
+
+std::map<std::string, Wire> ReportRecipe::inputsOf(const JsonObject& object) const {
+  std::map<std::string, Wire> wires;
+  const JsonObject inputs = object.object("inputs");
+  for (const std::string& port : inputs.keys()) {
+    const Wire wire = wires[port] = wireAt(inputs, port);
+    if (wire.stage != kView && wire.stage != kTruth && !makes(recipe_, wire) &&
+        !(wire.fromAsset() && recipe_.asset.count(wire.port) > 0))
+      throw badInput(inputs.placeOf(port), "there is no \"" + wire.text() + "\"",
+                     "\"stage.output\" or \"asset.file\" of this recipe, \"view.environment\", "
+                     "\"view.lights\" or \"truth.output\"");
+  }
+  return wires;
+}
+
+ReportRecipe::Link ReportRecipe::link(const JsonObject& object, const std::string& cause) const {
+  Link link{cause, settingsAt(object, "set"), {}, inputsOf(object)};
+  if (object.has("reference")) {
+    object.object("reference");
+    link.reference = object.value("reference");
+  }
+  return link;
+}
+
+}  // namespace bakelight::pipeline
