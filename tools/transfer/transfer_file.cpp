@@ -80,6 +80,10 @@ void declare(stage::Tool& tool, TransferSettings& settings) {
       .parameter("bounces", options.interreflection.bounces, {0, 1000}, "",
                  "Interreflected: exactly so many bounces; 0 goes by the threshold")
       .parameter(
+          "memory", options.memory, {0, 1e6}, "GB",
+          "Interreflected: what the bake keeps within, matrices apart, where need be by sums over fewer "
+          "shares of what is seen; 0: 2, or as many as million vertices times 2")
+      .parameter(
           "near_field", settings.near_field,
           "Vectors for light at a finite distance, on a virtual sphere, beside those for distant light")
       .parameter("sphere_radius", settings.sphere_radius, {1.01, 1000}, "radii of the bounding sphere",
@@ -149,6 +153,11 @@ formats::TensorFile tensorFile(const formats::TriangleMesh& mesh, const Transfer
 
 namespace {
 
+const char* storageName(const Transfer& baked) {
+  if (baked.exact_shares) return "exact";
+  return baked.share_threshold > 0 ? "sampled" : "16 bits";
+}
+
 void reportInterreflection(const TransferSettings& settings, const Transfer& baked, stage::Run& run) {
   const InterreflectionReport& bounced = baked.interreflection;
   run.stat("interreflection_passes", bounced.added_energy.size());
@@ -157,10 +166,18 @@ void reportInterreflection(const TransferSettings& settings, const Transfer& bak
   run.stat("interreflection_error_bound", bounced.error_bound);
   run.stat("largest_return", bounced.largest_return);
   run.stat("form_factors", baked.form_factors);
+  run.stat("form_factor_bytes", baked.form_factor_bytes);
+  run.stat("form_factor_storage", storageName(baked));
+  run.stat("share_threshold", baked.share_threshold);
+  run.stat("interreflection_parts", baked.interreflection_parts);
   run.stat("back_points", baked.back_points);
   run.stat("inside_hit_share",
            baked.rays > 0 ? static_cast<double>(baked.inside_hits) / static_cast<double>(baked.rays) : 0.0);
   run.stat("interreflection_s", baked.interreflection_s);
+  if (baked.memory_expected > baked.memory_limit)
+    run.warn("the bake needs about " + std::to_string(baked.memory_expected / 1'000'000) +
+             " MB, more than its memory of " + std::to_string(baked.memory_limit / 1'000'000) +
+             " MB: a mesh of fewer triangles needs less");
   if (!bounced.converged && settings.options.interreflection.bounces == 0)
     run.warn("interreflection did not converge: up to " + std::to_string(bounced.error_bound) +
              " of the light may be missing; is the albedo 1 in a closed cavity?");
