@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "formats/tensors.h"
 #include "tools/stage/stage.h"
 #include "tools/transfer/transfer.h"
 #include "tools/transfer/transfer_file.h"
@@ -42,7 +41,7 @@ int main(int argc, char** argv) {
     }
     const double bake_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-    formats::writeSafetensors(transfer_path, transfer::tensorFile(mesh, settings, albedo, baked, cpca));
+    transfer::writeTransfer(transfer_path, mesh, settings, albedo, baked, cpca);
     transfer::report(mesh, settings, baked, cpca, bake_s, run);
   });
 }
