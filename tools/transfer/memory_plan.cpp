@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kGigabyte = 1'000'000'000;
 // Measured at a million vertices: the ray tracer's tree and what it copies of the mesh, a triangle.
 constexpr std::size_t kTreeBytes = 150;
-constexpr std::size_t kProcessBytes = 60'000'000;  // libraries, what threads work with
+constexpr std::size_t kProcessBytes = 100'000'000;  // libraries, what threads work with
 constexpr std::size_t kPointsPerPilot = 128;
 constexpr std::size_t kMostPilots = 2048;
 // Pilots may have seen less than the rest.
