@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "formats/atomic_file.h"
 #include "formats/error.h"
 
 namespace bakelight::formats {
@@ -40,12 +41,14 @@ class Descriptor {
   int number_;
 };
 
-void writeAll(const Descriptor& file, std::span<const std::byte> bytes, const fs::path& path) {
+void writeAll(const Descriptor& file, std::uint64_t offset, std::span<const std::byte> bytes,
+              const fs::path& path) {
   while (!bytes.empty()) {
-    const ssize_t written = ::write(file.get(), bytes.data(), bytes.size());
+    const ssize_t written = ::pwrite(file.get(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) throw cannotWrite(path.string(), "writing failed: " + systemMessage(errno));
     bytes = bytes.subspan(static_cast<std::size_t>(written));
+    offset += static_cast<std::uint64_t>(written);
   }
 }
 
@@ -129,27 +132,58 @@ std::string lowerEnding(const fs::path& path) {
   return ending;
 }
 
-void writeFileAtomically(const fs::path& path, std::span<const std::byte> bytes) {
+namespace {
+
+int createFor(const fs::path& path, const fs::path& temporary) {
   std::error_code failed;
   if (path.has_parent_path()) fs::create_directories(path.parent_path(), failed);
   if (failed) throw cannotWrite(path.string(), "its folder cannot be made: " + failed.message());
+  const int number = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (number < 0) throw cannotWrite(path.string(), "cannot be created: " + systemMessage(errno));
+  return number;
+}
 
-  const fs::path temporary = temporaryNameFor(path);
-  const UnfinishedFile registered(temporary.string());
-  try {
-    Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-    if (!file.valid()) throw cannotWrite(path.string(), "cannot be created: " + systemMessage(errno));
-    writeAll(file, bytes, path);
-    // Without the sync a crash soon after the rename can leave an empty file under the final name.
-    if (::fsync(file.get()) != 0) throw cannotWrite(path.string(), "writing failed: " + systemMessage(errno));
-    if (!file.close()) throw cannotWrite(path.string(), "writing failed: " + systemMessage(errno));
-    if (::rename(temporary.c_str(), path.c_str()) != 0)
-      throw cannotWrite(path.string(), "cannot be put in place: " + systemMessage(errno));
-    syncFolderOf(path);
-  } catch (...) {
-    ::unlink(temporary.c_str());
-    throw;
-  }
+}  // namespace
+
+struct AtomicFile::Implementation {
+  explicit Implementation(const fs::path& final_path)
+      : path(final_path),
+        temporary(temporaryNameFor(final_path)),
+        registered(temporary.string()),
+        file(createFor(path, temporary)) {}
+
+  fs::path path, temporary;
+  UnfinishedFile registered;
+  Descriptor file;
+  bool finished = false;
+};
+
+AtomicFile::AtomicFile(const fs::path& path) : implementation_(std::make_unique<Implementation>(path)) {}
+
+AtomicFile::~AtomicFile() {
+  if (!implementation_->finished) ::unlink(implementation_->temporary.c_str());
+}
+
+void AtomicFile::writeAt(std::uint64_t offset, std::span<const std::byte> bytes) {
+  writeAll(implementation_->file, offset, bytes, implementation_->path);
+}
+
+void AtomicFile::finish() {
+  const fs::path& path = implementation_->path;
+  Descriptor& file = implementation_->file;
+  // Without the sync a crash soon after the rename can leave an empty file under the final name.
+  if (::fsync(file.get()) != 0) throw cannotWrite(path.string(), "writing failed: " + systemMessage(errno));
+  if (!file.close()) throw cannotWrite(path.string(), "writing failed: " + systemMessage(errno));
+  if (::rename(implementation_->temporary.c_str(), path.c_str()) != 0)
+    throw cannotWrite(path.string(), "cannot be put in place: " + systemMessage(errno));
+  implementation_->finished = true;
+  syncFolderOf(path);
+}
+
+void writeFileAtomically(const fs::path& path, std::span<const std::byte> bytes) {
+  AtomicFile file(path);
+  file.writeAt(0, bytes);
+  file.finish();
 }
 
 void syncFolderOf(const fs::path& path) noexcept {

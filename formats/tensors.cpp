@@ -10,6 +10,8 @@
 
 #include "formats/error.h"
 #include "formats/json.h"
+#include "formats/mapped_file.h"
+#include "formats/tensor_writer.h"
 
 namespace bakelight::formats {
 namespace {
@@ -201,41 +203,70 @@ const std::string& TensorFile::requireMetadata(const std::string& key, const std
   return entry->second;
 }
 
-Bytes encodeSafetensors(const TensorFile& file) {
+TensorLayout layOutTensors(const std::map<std::string, TensorShape>& tensors,
+                           const std::map<std::string, std::string>& metadata) {
   // Wide types first, so that each array is aligned for its type; by name within a width.
-  std::vector<std::pair<std::string, const Tensor*>> order;
-  for (const auto& [name, tensor] : file.tensors) order.emplace_back(name, &tensor);
+  std::vector<std::pair<std::string, const TensorShape*>> order;
+  for (const auto& [name, tensor] : tensors) order.emplace_back(name, &tensor);
   std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
     return sizeOf(a.second->type) > sizeOf(b.second->type);
   });
 
   Json header = Json::object();
-  if (!file.metadata.empty()) header[kMetadataKey] = file.metadata;
+  if (!metadata.empty()) header[kMetadataKey] = metadata;
+  TensorLayout layout;
   std::uint64_t offset = 0;
   for (const auto& [name, tensor] : order) {
-    if (byteSize(tensor->type, tensor->shape) != tensor->data.size()) {
-      throw std::logic_error("tensor " + name + ": shape and data differ");
-    }
     if (name == kMetadataKey) throw std::logic_error("a tensor cannot be called __metadata__");
+    const auto size = byteSize(tensor->type, tensor->shape);
+    if (!size || *size > std::numeric_limits<std::uint64_t>::max() - offset)
+      throw std::logic_error("tensor " + name + ": its size overflows");
     header[name] = {{"dtype", safetensorsName(tensor->type)},
                     {"shape", tensor->shape},
-                    {"data_offsets", {offset, offset + tensor->data.size()}}};
-    offset += tensor->data.size();
+                    {"data_offsets", {offset, offset + *size}}};
+    layout.places.push_back({name, {offset, offset + *size}});
+    offset += *size;
   }
   std::string text = checkedDump(header);
   text.resize((text.size() + kHeaderAlignment - 1) / kHeaderAlignment * kHeaderAlignment, ' ');
 
-  Bytes bytes(kLengthSize + text.size());
+  layout.header.resize(kLengthSize + text.size());
   const std::uint64_t length = text.size();
-  std::memcpy(bytes.data(), &length, kLengthSize);
-  std::memcpy(bytes.data() + kLengthSize, text.data(), text.size());
-  bytes.reserve(bytes.size() + offset);
-  for (const auto& [name, tensor] : order)
-    bytes.insert(bytes.end(), tensor->data.begin(), tensor->data.end());
+  std::memcpy(layout.header.data(), &length, kLengthSize);
+  std::memcpy(layout.header.data() + kLengthSize, text.data(), text.size());
+  return layout;
+}
+
+namespace {
+
+std::map<std::string, TensorShape> shapesOf(const TensorFile& file) {
+  std::map<std::string, TensorShape> shapes;
+  for (const auto& [name, tensor] : file.tensors) {
+    if (byteSize(tensor.type, tensor.shape) != tensor.data.size())
+      throw std::logic_error("tensor " + name + ": shape and data differ");
+    shapes[name] = {tensor.type, tensor.shape};
+  }
+  return shapes;
+}
+
+}  // namespace
+
+Bytes encodeSafetensors(const TensorFile& file) {
+  TensorLayout layout = layOutTensors(shapesOf(file), file.metadata);
+  Bytes bytes = std::move(layout.header);
+  bytes.reserve(bytes.size() + (layout.places.empty() ? 0 : layout.places.back().second.end));
+  for (const auto& [name, place] : layout.places) {
+    const SharedBytes& data = file.tensors.at(name).data;
+    bytes.insert(bytes.end(), data.begin(), data.end());
+  }
   return bytes;
 }
 
-TensorFile decodeSafetensors(std::span<const std::byte> bytes, const std::string& file) {
+namespace {
+
+// `owner` keeps `bytes`; without one, tensors own copies.
+TensorFile decode(std::span<const std::byte> bytes, const std::string& file,
+                  const std::shared_ptr<const void>& owner) {
   std::uint64_t length = 0;
   if (bytes.size() < kLengthSize) {
     throw badInput({file, "", ""},
@@ -267,18 +298,34 @@ TensorFile decodeSafetensors(std::span<const std::byte> bytes, const std::string
   reader.checkTiling(placements);
   for (Placement& placement : placements) {
     const auto part = data.subspan(placement.begin, placement.end - placement.begin);
-    result.tensors[placement.name] = {placement.type, std::move(placement.shape),
-                                      Bytes(part.begin(), part.end())};
+    const bool aligned = reinterpret_cast<std::uintptr_t>(part.data()) % sizeOf(placement.type) == 0;
+    result.tensors[placement.name] = {
+        placement.type, std::move(placement.shape),
+        owner && aligned ? SharedBytes(part, owner) : SharedBytes(Bytes(part.begin(), part.end()))};
   }
   return result;
 }
 
+}  // namespace
+
+TensorFile decodeSafetensors(std::span<const std::byte> bytes, const std::string& file) {
+  return decode(bytes, file, nullptr);
+}
+
 void writeSafetensors(const std::filesystem::path& path, const TensorFile& file) {
-  writeFileAtomically(path, encodeSafetensors(file));
+  TensorWriter writer(path, shapesOf(file), file.metadata);
+  for (const auto& [name, tensor] : file.tensors)
+    writer.append(name, std::span<const std::byte>(tensor.data));
+  writer.finish();
 }
 
 TensorFile readSafetensors(const std::filesystem::path& path) {
-  return decodeSafetensors(readFile(path), path.string());
+  std::error_code ignored;
+  // A pipe has no pages to map.
+  if (!std::filesystem::is_regular_file(path, ignored))
+    return decodeSafetensors(readFile(path), path.string());
+  const auto mapped = MappedFile::open(path);
+  return decode(mapped->bytes(), path.string(), mapped);
 }
 
 }  // namespace bakelight::formats

@@ -9,9 +9,11 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "formats/file.h"
+#include "formats/shared_bytes.h"
 
 namespace bakelight::formats {
 
@@ -24,7 +26,7 @@ const char* safetensorsName(ElementType type);  // "F32", "F16", ...
 struct Tensor {
   ElementType type = ElementType::kFloat32;
   std::vector<std::uint64_t> shape;
-  Bytes data;
+  SharedBytes data;
 
   std::uint64_t elementCount() const;
   // The data as T. T's size must be that of `type`, and `shape` must hold as many values (both checked,
@@ -53,7 +55,25 @@ Bytes encodeSafetensors(const TensorFile& file);
 TensorFile decodeSafetensors(std::span<const std::byte> bytes, const std::string& file);
 
 void writeSafetensors(const std::filesystem::path& path, const TensorFile& file);  // atomic
+// The tensors point into the file, which is mapped (mapped_file.h): opening it takes no memory. Only an array
+// that another program put at an odd place is copied. Throws as decodeSafetensors.
 TensorFile readSafetensors(const std::filesystem::path& path);
+
+struct TensorShape {
+  ElementType type = ElementType::kFloat32;
+  std::vector<std::uint64_t> shape;
+};
+// The bytes of a file before its data, and where the data of each array are behind them.
+struct TensorLayout {
+  struct Place {
+    std::uint64_t begin, end;
+  };
+  Bytes header;
+  std::vector<std::pair<std::string, Place>> places;  // in their order
+};
+// Throws std::logic_error for sizes that overflow, and Error(kBadInput) for text that is not UTF-8.
+TensorLayout layOutTensors(const std::map<std::string, TensorShape>& tensors,
+                           const std::map<std::string, std::string>& metadata);
 
 template <class T>
 std::span<const T> Tensor::as() const {

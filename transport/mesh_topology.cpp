@@ -1,5 +1,7 @@
 #include "transport/mesh_topology.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -11,7 +13,7 @@ using formats::TriangleMesh;
 std::vector<std::uint32_t> coincidentVertices(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> order(mesh.vertexCount()), place(mesh.vertexCount());
   std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+  tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     return mesh.positions[a] != mesh.positions[b] ? mesh.positions[a] < mesh.positions[b] : a < b;
   });
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -37,7 +39,7 @@ std::vector<std::uint8_t> openTriangles(const TriangleMesh& mesh, std::span<cons
       edges.emplace_back(std::min(a, b), std::max(a, b));
       parent[root(a)] = root(b);
     }
-  std::sort(edges.begin(), edges.end());
+  tbb::parallel_sort(edges.begin(), edges.end());
   std::vector<std::uint8_t> open_root(mesh.vertexCount(), 0);
   for (std::size_t first = 0; first < edges.size();) {
     std::size_t end = first;

@@ -49,14 +49,14 @@ AreaTransfer traceArea(const ShadowPass& pass, std::span<const SurfacePoint> poi
   RowSum vector(sizes.vector), near_vector(sizes.near_vector), visibility(sizes.visibility);
   std::vector<SeenVertex> seen;
   for (const SurfacePoint& point : points) {
-    PointFigures figures =
+    TracedPoint traced =
         pass.trace(point, sides_from_behind, {vector.row(), near_vector.row(), visibility.row()}, work);
-    if (figures.buried) continue;
+    if (traced.buried) continue;
     area.vectors.insert(area.vectors.end(), vector.row().begin(), vector.row().end());
     vector.add(), near_vector.add(), visibility.add();
-    seen.insert(seen.end(), figures.seen.begin(), figures.seen.end());
+    seen.insert(seen.end(), traced.seen.begin(), traced.seen.end());
     area.points.push_back(point);
-    area.blocked_rays.push_back(std::move(figures.blocked_rays));
+    area.blocked_rays.push_back(std::move(traced.blocked_rays));
   }
   const std::size_t count = area.points.size();
   if (count == 0) return area;
@@ -70,8 +70,7 @@ AreaTransfer traceArea(const ShadowPass& pass, std::span<const SurfacePoint> poi
 Resampling resampleOutliers(const formats::TriangleMesh& mesh, const ShadowPass& pass,
                             std::span<const formats::Triangle> sides_from_behind,
                             std::span<const std::uint8_t> buried, float offset, double share,
-                            const TransferRows& rows, std::span<PointFigures> figures,
-                            const LocalWorkspace& workspace) {
+                            const TransferRows& rows, FormFactors& seen, const LocalWorkspace& workspace) {
   const IncidentTriangles incident(mesh);
   const OutlierJudge judge(mesh, incident, rows.vectors, rows.sizes.vector, buried);
   std::vector<std::uint32_t> outliers = judge.outliers();
@@ -97,7 +96,7 @@ Resampling resampleOutliers(const formats::TriangleMesh& mesh, const ShadowPass&
     std::copy(area.vector.begin(), area.vector.end(), row.vector.begin());
     std::copy(area.near_vector.begin(), area.near_vector.end(), row.near_vector.begin());
     std::copy(area.visibility.begin(), area.visibility.end(), row.visibility.begin());
-    figures[v].seen = std::move(area.seen);
+    if (v < seen.rowCount()) seen.replace(v, std::move(area.seen));
   }
   return result;
 }

@@ -54,14 +54,13 @@ struct Resampling {
   AreaTransfers replaced;    // those of them that stand out from their own area, too
 };
 
-// Puts the mean over their area in place of the rows, and of what `figures` say is seen, of vertices that
-// stand out by point sampling alone. `rows` and `figures` are those of the vertices, and of one channel;
-// `buried` has 1 for a vertex that is left out. Areas are `offset` off the surface, and take at most `share`
-// of the rays that the vertices took; the worst outliers go first.
+// Puts the mean over their area in place of the rows, and of what they see, of vertices that stand out by
+// point sampling alone. `rows` and `seen` (empty where hits are not recorded) are those of the vertices, and
+// of one channel; `buried` has 1 for a vertex that is left out. Areas are `offset` off the surface, and take
+// at most `share` of the rays that the vertices took; the worst outliers go first.
 Resampling resampleOutliers(const formats::TriangleMesh& mesh, const ShadowPass& pass,
                             std::span<const formats::Triangle> sides_from_behind,
                             std::span<const std::uint8_t> buried, float offset, double share,
-                            const TransferRows& rows, std::span<PointFigures> figures,
-                            const LocalWorkspace& workspace);
+                            const TransferRows& rows, FormFactors& seen, const LocalWorkspace& workspace);
 
 }  // namespace bakelight::transfer

@@ -17,6 +17,7 @@ constexpr std::size_t kRowsPerChunk = 512;  // of sums over points: fixed, so th
 constexpr double kFewPasses = 6;
 constexpr std::size_t kKrylovBytes = std::size_t{1} << 30;
 constexpr std::size_t kLongestKrylov = 20;
+constexpr std::size_t kGmresFields = 3;  // beside those that count for the length of its space
 
 // Calls body(first, end) for chunks of the points.
 template <class Body>
@@ -77,60 +78,61 @@ void scale(TransferField& a, std::span<const double> factor) {
   });
 }
 
-// One bounce. Keeps the exit radiance between bounces, as a fresh table costs more to map than to fill.
+// One bounce.
 class Bounce {
  public:
   Bounce(const FormFactors& factors, std::span<const Float3> reflectance,
          std::span<const std::uint8_t> channel_of_column, const BuriedFill& fill)
-      : factors_(factors),
-        reflectance_(reflectance),
-        channel_of_column_(channel_of_column),
-        fill_(fill),
-        exit_(factors.pointCount(), channel_of_column.size()) {}
+      : factors_(factors), reflectance_(reflectance), channel_of_column_(channel_of_column), fill_(fill) {}
 
-  // `gathered` has the shape of `x` and is another table.
-  void apply(const TransferField& x, TransferField& gathered) {
-    if (fill_.filledVertices() == 0) {
-      reflect(x);
-    } else {
-      exit_.values = x.values;
-      fill_.apply(exit_.values, exit_.row_size);
-      reflect(exit_);
-    }
+  // Both have the same shape and are different tables. `x` is exit radiance afterwards.
+  void consume(TransferField& x, TransferField& gathered) const {
+    if (fill_.filledVertices() > 0) fill_.apply(x.values, x.row_size);
     forChunks(x.pointCount(), [&](std::size_t, std::size_t first, std::size_t end) {
-      std::vector<double> sums(x.row_size);
       for (std::size_t p = first; p < end; ++p) {
-        const std::uint64_t begin = factors_.row_begin[p], count = factors_.row_begin[p + 1] - begin;
-        std::fill(sums.begin(), sums.end(), 0.0);
-        accumulateRows(exit_.values.data(), exit_.row_size, std::span(factors_.columns).subspan(begin, count),
-                       std::span(factors_.weights).subspan(begin, count), sums);
-        const auto row = gathered.row(p);
-        for (std::size_t c = 0; c < row.size(); ++c) row[c] = static_cast<float>(sums[c]);
+        const auto row = x.row(p);
+        for (std::size_t c = 0; c < row.size(); ++c) row[c] *= reflectance_[p][channel_of_column_[c]];
       }
     });
+    gather(x, gathered);
+  }
+  // The same, with `exit` for what becomes of `x`.
+  void apply(const TransferField& x, TransferField& exit, TransferField& gathered) const {
+    exit.values = x.values;
+    consume(exit, gathered);
   }
 
   double largestReturn() const {
-    double largest = 0;
-    for (std::size_t p = 0; p < factors_.pointCount(); ++p) {
-      double sum = 0;
-      for (std::uint64_t k = factors_.row_begin[p]; k < factors_.row_begin[p + 1]; ++k) {
-        const Float3& albedo = reflectance_[factors_.columns[k]];
-        sum += static_cast<double>(factors_.weights[k]) * *std::max_element(albedo.begin(), albedo.end());
+    std::vector<double> largest(factors_.blockCount(), 0.0);
+    tbb::parallel_for(std::size_t{0}, largest.size(), [&](std::size_t b) {
+      const FormFactors::Block& block = factors_.block(b);
+      std::vector<float> decoded;
+      for (std::size_t row = 0; row < block.rowCount(); ++row) {
+        const auto columns = block.columnsOf(row);
+        const auto weights = block.weightsOf(row, decoded);
+        double sum = 0;
+        for (std::size_t k = 0; k < columns.size(); ++k) {
+          const Float3& albedo = reflectance_[columns[k]];
+          sum += static_cast<double>(weights[k]) * *std::max_element(albedo.begin(), albedo.end());
+        }
+        largest[b] = std::max(largest[b], sum);
       }
-      largest = std::max(largest, sum);
-    }
-    return largest;
+    });
+    return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
   }
 
  private:
-  // exit_ = ρ x; x may be exit_ itself.
-  void reflect(const TransferField& x) {
-    forChunks(x.pointCount(), [&](std::size_t, std::size_t first, std::size_t end) {
-      for (std::size_t p = first; p < end; ++p) {
-        const auto from = x.row(p);
-        const auto to = exit_.row(p);
-        for (std::size_t c = 0; c < to.size(); ++c) to[c] = from[c] * reflectance_[p][channel_of_column_[c]];
+  void gather(const TransferField& exit, TransferField& gathered) const {
+    tbb::parallel_for(std::size_t{0}, factors_.blockCount(), [&](std::size_t b) {
+      const FormFactors::Block& block = factors_.block(b);
+      std::vector<double> sums(exit.row_size);
+      std::vector<float> decoded;
+      for (std::size_t row = 0; row < block.rowCount(); ++row) {
+        std::fill(sums.begin(), sums.end(), 0.0);
+        accumulateRows(exit.values.data(), exit.row_size, block.columnsOf(row), block.weightsOf(row, decoded),
+                       sums);
+        const auto to = gathered.row(factors_.firstRow(b) + row);
+        for (std::size_t c = 0; c < to.size(); ++c) to[c] = static_cast<float>(sums[c]);
       }
     });
   }
@@ -139,7 +141,6 @@ class Bounce {
   std::span<const Float3> reflectance_;
   std::span<const std::uint8_t> channel_of_column_;
   const BuriedFill& fill_;
-  TransferField exit_;
 };
 
 std::vector<double> inverted(std::vector<double> values) {
@@ -156,8 +157,11 @@ std::vector<double> roots(std::vector<double> values) {
 class Gmres {
  public:
   // Starts from `residual`, what the present x lacks: (1 − F ρ) correction = residual.
-  Gmres(Bounce& bounce, TransferField residual)
-      : bounce_(bounce), columns_(residual.columns), bounced_(residual.pointCount(), residual.columns) {
+  Gmres(const Bounce& bounce, TransferField residual)
+      : bounce_(bounce),
+        columns_(residual.columns),
+        exit_(residual.pointCount(), residual.columns),
+        bounced_(residual.pointCount(), residual.columns) {
     beta_ = roots(dots(residual, residual));
     scale(residual, inverted(beta_));
     for (const double beta : beta_) right_.push_back({beta});
@@ -168,7 +172,7 @@ class Gmres {
   // One more pass; the norm of the residual that is left then.
   double step() {
     TransferField next = basis_.back();
-    bounce_.apply(basis_.back(), bounced_);
+    bounce_.apply(basis_.back(), exit_, bounced_);
     addScaled(next, std::vector<double>(columns_, -1.0), bounced_);
     std::vector<std::vector<double>> heights;
     for (const TransferField& vector : basis_) {
@@ -228,9 +232,9 @@ class Gmres {
     return right_[c].back() * right_[c].back();
   }
 
-  Bounce& bounce_;
+  const Bounce& bounce_;
   std::size_t columns_;
-  TransferField bounced_;
+  TransferField exit_, bounced_;
   std::vector<TransferField> basis_;
   std::vector<double> beta_;
   std::vector<std::vector<double>> right_, cosines_, sines_;  // by column
@@ -238,15 +242,32 @@ class Gmres {
 };
 
 // x0 + F ρ x − x.
-TransferField residualOf(Bounce& bounce, const TransferField& x0, const TransferField& x) {
-  TransferField residual(x.pointCount(), x.columns);
-  bounce.apply(x, residual);
-  add(residual, x0);
+TransferField residualOf(const Bounce& bounce, const DirectLight& direct, const TransferField& x) {
+  TransferField residual(x.pointCount(), x.columns), exit(x.pointCount(), x.columns);
+  bounce.apply(x, exit, residual);
+  direct(exit);
+  add(residual, exit);
   addScaled(residual, std::vector<double>(x.columns, -1.0), x);
   return residual;
 }
 
 }  // namespace
+
+InterreflectionReport together(const InterreflectionReport& a, const InterreflectionReport& b) {
+  InterreflectionReport both;
+  both.direct_norm = std::hypot(a.direct_norm, b.direct_norm);
+  for (std::size_t i = 0; i < std::max(a.added_energy.size(), b.added_energy.size()); ++i) {
+    const auto added = [&](const InterreflectionReport& one) {
+      return i < one.added_energy.size() ? one.added_energy[i] * one.direct_norm : 0;
+    };
+    both.added_energy.push_back(std::hypot(added(a), added(b)) / both.direct_norm);
+  }
+  both.solver = a.solver == b.solver ? a.solver : "gmres";
+  both.error_bound = std::max(a.error_bound, b.error_bound);
+  both.largest_return = std::max(a.largest_return, b.largest_return);
+  both.converged = a.converged && b.converged;
+  return both;
+}
 
 TransferField::TransferField(std::size_t point_count, std::size_t column_count)
     : columns(column_count), row_size(paddedToTiles(column_count)), values(point_count * row_size, 0.0f) {}
@@ -254,13 +275,14 @@ TransferField::TransferField(std::size_t point_count, std::size_t column_count)
 InterreflectionReport solveInterreflection(const FormFactors& factors, std::span<const Float3> reflectance,
                                            std::span<const std::uint8_t> channel_of_column,
                                            const BuriedFill& fill, const InterreflectionOptions& options,
-                                           TransferField& x) {
-  Bounce bounce(factors, reflectance, channel_of_column, fill);
+                                           const DirectLight& direct, TransferField& x) {
+  const Bounce bounce(factors, reflectance, channel_of_column, fill);
   InterreflectionReport report;
   report.largest_return = bounce.largestReturn();
   // A closed white cavity gives every share back; there the bound says nothing and the passes decide.
   const double kept = std::max(1 - report.largest_return, 1e-4);
-  const double initial = norm(x);
+  direct(x);
+  const double initial = report.direct_norm = norm(x);
   const auto bound = [&](double added) { return initial > 0 ? added / kept / norm(x) : 0; };
   const auto done = [&] {
     if (options.bounces > 0) return static_cast<int>(report.added_energy.size()) >= options.bounces;
@@ -269,12 +291,11 @@ InterreflectionReport solveInterreflection(const FormFactors& factors, std::span
   };
   if (initial == 0) return report;
 
-  const TransferField x0 = x;
   bool slow = false;
   {  // Plain bounces.
     TransferField last = x, next(x.pointCount(), x.columns);
     do {
-      bounce.apply(last, next);
+      bounce.consume(last, next);
       std::swap(last, next);
       add(x, last);
       const double added = norm(last);
@@ -291,10 +312,12 @@ InterreflectionReport solveInterreflection(const FormFactors& factors, std::span
   }
 
   const std::size_t field_bytes = x.values.size() * sizeof(float);
-  const std::size_t longest = std::clamp<std::size_t>(kKrylovBytes / field_bytes, 4, kLongestKrylov);
+  const std::size_t room = options.field_bytes / field_bytes;
+  const std::size_t longest = std::min(std::clamp<std::size_t>(kKrylovBytes / field_bytes, 4, kLongestKrylov),
+                                       std::max<std::size_t>(room, kGmresFields + 2) - kGmresFields);
   while (!done()) {
     report.solver = "gmres";
-    Gmres gmres(bounce, residualOf(bounce, x0, x));
+    Gmres gmres(bounce, residualOf(bounce, direct, x));
     for (std::size_t k = 0; k < longest && !done(); ++k) {
       const double left = gmres.step();
       report.added_energy.push_back(left / initial);

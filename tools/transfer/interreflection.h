@@ -10,18 +10,9 @@
 
 #include "formats/triangle_mesh.h"
 #include "tools/transfer/buried.h"
+#include "tools/transfer/form_factors.h"
 
 namespace bakelight::transfer {
-
-// What each point sees of the surface: the cosine-weighted share of its hemisphere that falls to each point,
-// transfer being interpolated within a hit triangle. Sparse rows, sorted by column.
-struct FormFactors {
-  std::vector<std::uint64_t> row_begin = {0};  // points + 1
-  std::vector<std::uint32_t> columns;
-  std::vector<float> weights;
-
-  std::size_t pointCount() const { return row_begin.size() - 1; }
-};
 
 // A table of transfer, points × row_size; rows padded with zeros to whole tiles (quadrature.h).
 struct TransferField {
@@ -41,6 +32,8 @@ struct InterreflectionOptions {
   double threshold = 1e-3;
   int bounces = 0;       // > 0: exactly so many passes, whatever is missing then
   int max_passes = 100;  // a pass is one multiplication by F
+  // What the fields beside `x` may take; at least those that a solution needs are taken whatever it says.
+  std::size_t field_bytes = std::size_t{1} << 40;
 };
 
 struct InterreflectionReport {
@@ -52,19 +45,28 @@ struct InterreflectionReport {
   // back). A bound in the maximum norm; norms here are root mean squares over points and coefficients.
   double error_bound = 0;
   double largest_return = 0;  // max over points of Σ F ρ: below 1 unless a cavity is closed and white
+  double direct_norm = 0;     // of x0
   bool converged = true;
 };
 
-// `x` holds x0 and becomes the solution. `reflectance` has one albedo a point, `channel_of_column` says which
-// of its colours counts in each column. Buried vertices are filled before each pass and in the result. Passes
-// are plain bounces as long as they converge fast; where their ratio says that more than a few would still be
-// needed (ρ(1−f) → 1), restarted GMRES takes over, every column on its own Krylov space but sharing the
-// passes. Deterministic whatever the threads. Cost of a pass: non-zeros × columns multiply-adds. Memory: with
-// GMRES up to 20 further fields (fewer beyond 1 GiB).
+// What solves one set of columns beside another: each pass added what both did.
+InterreflectionReport together(const InterreflectionReport& a, const InterreflectionReport& b);
+
+// Puts x0 into a field of the right shape.
+using DirectLight = std::function<void(TransferField&)>;
+
+// `x` becomes the solution for what `direct` gives. A row of `factors` is what a point sees of the points:
+// the cosine-weighted share of its hemisphere that falls to each, transfer being interpolated within a hit
+// triangle. `reflectance` has one albedo a point, `channel_of_column` says which of its colours counts in
+// each column. Buried vertices are filled before each pass and in the result. Passes are plain bounces as
+// long as they converge fast; where their ratio says that more than a few would still be needed (ρ(1−f) → 1),
+// restarted GMRES takes over, every column on its own Krylov space but sharing the passes. Deterministic
+// whatever the threads. Cost of a pass: non-zeros × columns multiply-adds. Memory: two further fields; with
+// GMRES three and its space, which is 20 fields if there is room for them, and at least 2.
 InterreflectionReport solveInterreflection(const FormFactors& factors,
                                            std::span<const formats::Float3> reflectance,
                                            std::span<const std::uint8_t> channel_of_column,
                                            const BuriedFill& fill, const InterreflectionOptions& options,
-                                           TransferField& x);
+                                           const DirectLight& direct, TransferField& x);
 
 }  // namespace bakelight::transfer

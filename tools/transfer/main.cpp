@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
     }
     const double bake_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-    formats::writeSafetensors(transfer_path, transfer::tensorFile(mesh, settings, albedo, baked, cpca));
+    transfer::writeTransfer(transfer_path, mesh, settings, albedo, baked, cpca);
     transfer::report(mesh, settings, baked, cpca, bake_s, run);
   });
 }

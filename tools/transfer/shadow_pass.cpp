@@ -22,7 +22,9 @@ ShadowPass::Workspace::Workspace(const ShadowPass& pass)
       ones(pass.quadrature().size(), 1.0f),
       all_sums(pass.quadrature().rowSize()),
       blocked_sums(pass.quadrature().rowSize()),
-      seen_weights(pass.options_.record_hits ? 2 * pass.mesh().vertexCount() : 0, 0.0f) {}
+      seen(pass.options_.record_hits
+               ? std::min<std::size_t>(3 * pass.quadrature().size() / 2, 2 * pass.mesh().vertexCount())
+               : 0) {}
 
 ShadowPass::ShadowPass(const formats::TriangleMesh& mesh, const transport::RayScene& scene,
                        const ShadowOptions& options, int directions)
@@ -35,9 +37,8 @@ ShadowPass::ShadowPass(const formats::TriangleMesh& mesh, const transport::RaySc
     hemisphere_zonal_ = transport::diskLightZonal(options.visibility_order, std::numbers::pi / 2);
 }
 
-PointFigures ShadowPass::trace(const SurfacePoint& point,
-                               std::span<const formats::Triangle> sides_from_behind,
-                               const PointTransfer& result, Workspace& work) const {
+TracedPoint ShadowPass::trace(const SurfacePoint& point, std::span<const formats::Triangle> sides_from_behind,
+                              const PointTransfer& result, Workspace& work) const {
   Hemisphere& hemisphere = work.hemisphere;
   hemisphere.collect(quadrature_, point.normal);
   scene_.occluded(point.origin, hemisphere.rays, 0, std::span(work.blocked).first(hemisphere.count));
@@ -48,7 +49,7 @@ PointFigures ShadowPass::trace(const SurfacePoint& point,
     letGrazingRaysPass(work);
   }
 
-  PointFigures figures;
+  TracedPoint figures;
   figures.rays = static_cast<std::uint32_t>(hemisphere.count);
   figures.blocked =
       work.sees_light ? static_cast<std::uint32_t>(work.blocked_directions.size()) : figures.rays;
@@ -146,7 +147,7 @@ void ShadowPass::combine(const SurfacePoint& point, const PointTransfer& result,
     for (std::size_t i = 0; i < result.near_vector.size(); ++i)
       result.near_vector[i] = static_cast<float>(result.vector[i] + difference[i]);
   }
-  if (options_.visibility_order > 0) combineVisibility(point, result.visibility, work);
+  if (!result.visibility.empty()) combineVisibility(point, result.visibility, work);
 }
 
 // The visibility itself, from whichever are fewer: the closed form of the hemisphere less what is blocked, or
@@ -175,7 +176,6 @@ std::vector<SeenVertex> ShadowPass::collectSeen(std::span<const formats::Triangl
   double cosine_sum = 0;
   for (const float cosine : traced) cosine_sum += cosine;
   const auto scale = static_cast<float>(1 / cosine_sum);
-  work.seen_sides.clear();
   for (std::size_t k = 0; k < work.blocked_directions.size(); ++k) {
     const std::uint32_t triangle = work.hits.triangle[k];
     const formats::Triangle& corners =
@@ -187,20 +187,11 @@ std::vector<SeenVertex> ShadowPass::collectSeen(std::span<const formats::Triangl
     const float weight = work.blocked_cosines[k] * scale, u = work.hits.u[k], v = work.hits.v[k];
     const std::array<float, 3> shares = {std::max(1 - u - v, 0.0f), u, v};
     for (std::size_t corner = 0; corner < 3; ++corner) {
-      const std::uint32_t side = corners[corner];
-      if (work.seen_weights[side] == 0) work.seen_sides.push_back(side);
-      // Never back to zero, so that no side is listed twice.
-      work.seen_weights[side] += std::max(weight * shares[corner], 1e-30f);
+      // Never zero: a corner that the ray met at the opposite edge is seen, too.
+      work.seen.add(corners[corner], std::max(weight * shares[corner], 1e-30f));
     }
   }
-  std::sort(work.seen_sides.begin(), work.seen_sides.end());
-  std::vector<SeenVertex> seen;
-  seen.reserve(work.seen_sides.size());
-  for (const std::uint32_t side : work.seen_sides) {
-    seen.push_back({side, work.seen_weights[side]});
-    work.seen_weights[side] = 0;
-  }
-  return seen;
+  return work.seen.take();
 }
 
 void letGrazingRaysPass(ShadowPass::Workspace& work) {

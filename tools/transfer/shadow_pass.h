@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "formats/triangle_mesh.h"
+#include "tools/transfer/form_factors.h"
 #include "tools/transfer/near_field.h"
 #include "tools/transfer/quadrature.h"
 #include "tools/transfer/surface_points.h"
@@ -22,23 +23,20 @@ struct ShadowOptions {
   bool keep_blocked = false;            // also which rays were blocked, for findHits
 };
 
-// Weight that falls to one vertex of what a point sees. The back side of vertex v is v + vertex count.
-struct SeenVertex {
-  std::uint32_t side;
-  float weight;
-};
-
-// What the pass finds out about a point; spans are filled where the options ask for them.
+// What the pass finds out about a point.
 struct PointFigures {
   std::uint32_t rays = 0, blocked = 0, inside_hits = 0;
   float quadrature_error = 0;
   bool buried = false;
+};
+// The lists are filled where the options ask for them.
+struct TracedPoint : PointFigures {
   std::vector<SeenVertex> seen;    // sorted by side; the weights add up to the blocked share
   std::vector<bool> blocked_rays;  // of the hemisphere's directions, in their order
 };
 struct PointTransfer {
   std::span<float> vector;  // as many bands as it has room for, at most the options' or kJudgedOrder
-  std::span<float> near_vector, visibility;
+  std::span<float> near_vector, visibility;  // empty where they are not wanted
 };
 
 class ShadowPass {
@@ -49,9 +47,10 @@ class ShadowPass {
              const ShadowOptions& options, int directions);
 
   // The control variate is that of transfer.h; `sides_from_behind` (surface_points.h) tells whose back sides
-  // count: those of closed components are inside and dark. Reentrant with a workspace a thread.
-  PointFigures trace(const SurfacePoint& point, std::span<const formats::Triangle> sides_from_behind,
-                     const PointTransfer& result, Workspace& work) const;
+  // count, where hits are recorded: those of closed components are inside and dark. Reentrant with a
+  // workspace a thread.
+  TracedPoint trace(const SurfacePoint& point, std::span<const formats::Triangle> sides_from_behind,
+                    const PointTransfer& result, Workspace& work) const;
 
   // Takes up a point again: the directions that `blocked_rays` says are blocked into work.blocked_directions,
   // and what they hit into work.hits.
@@ -77,8 +76,7 @@ class ShadowPass {
   std::vector<double> cosine_factors_, hemisphere_zonal_;
 };
 
-// What one thread reuses from point to point. Memory: some 100 bytes a direction, and, only where hits are
-// recorded, 8 bytes a vertex.
+// What one thread reuses from point to point. Memory: some 100 bytes a direction, whatever the mesh.
 struct ShadowPass::Workspace {
   explicit Workspace(const ShadowPass& pass);
 
@@ -91,8 +89,7 @@ struct ShadowPass::Workspace {
   std::vector<std::uint32_t> blocked_directions, visible_directions;
   std::vector<float> blocked_cosines, visible_cosines, ones;
   std::vector<double> all_sums, blocked_sums;
-  std::vector<float> seen_weights;  // a side; zero between points
-  std::vector<std::uint32_t> seen_sides;
+  SeenSums seen;  // empty between points
 };
 
 // Two queries of the ray tracer may differ about a ray that grazes an edge: one says that it is blocked, the

@@ -1,10 +1,12 @@
 #include "tools/transfer/surface_points.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numeric>
 #include <span>
+#include <tuple>
 
 #include "transport/mesh_topology.h"
 
@@ -46,27 +48,36 @@ std::vector<Triangle> sidesFromBehind(const TriangleMesh& mesh) {
   const std::vector<std::uint32_t> place = transport::coincidentVertices(mesh);
   const std::vector<std::uint8_t> open = transport::openTriangles(mesh, place);
   const auto vertex_count = static_cast<std::uint32_t>(mesh.vertexCount());
-  std::map<Triangle, Triangle> fronts;  // by places
-  for (const Triangle& triangle : mesh.triangles) {
-    const PlacedTriangle front = placed(triangle, place, false);
-    fronts.try_emplace(front.places, front.corners);
-  }
-  std::vector<Triangle> sides;
-  sides.reserve(mesh.triangleCount());
-  for (std::size_t t = 0; t < mesh.triangleCount(); ++t) {
+  // By places; the first in the mesh of those at the same ones comes first.
+  struct Front {
+    Triangle places;
+    std::uint32_t triangle;
+    bool operator<(const Front& other) const {
+      return std::tie(places, triangle) < std::tie(other.places, other.triangle);
+    }
+  };
+  std::vector<Front> fronts(mesh.triangleCount());
+  tbb::parallel_for(std::size_t{0}, fronts.size(), [&](std::size_t t) {
+    fronts[t] = {placed(mesh.triangles[t], place, false).places, static_cast<std::uint32_t>(t)};
+  });
+  tbb::parallel_sort(fronts.begin(), fronts.end());
+  std::vector<Triangle> sides(mesh.triangleCount());
+  tbb::parallel_for(std::size_t{0}, sides.size(), [&](std::size_t t) {
     const Triangle& triangle = mesh.triangles[t];
-    const auto twin = fronts.find(placed(triangle, place, true).places);
+    const Triangle reversed = placed(triangle, place, true).places;
+    const auto twin = std::lower_bound(fronts.begin(), fronts.end(), Front{reversed, 0});
+    const bool twice = twin != fronts.end() && twin->places == reversed;
     Triangle side = {kDarkSide, kDarkSide, kDarkSide};
     for (std::size_t corner = 0; corner < 3; ++corner) {
-      if (twin != fronts.end()) {
-        for (const std::uint32_t v : twin->second)
+      if (twice) {
+        for (const std::uint32_t v : placed(mesh.triangles[twin->triangle], place, false).corners)
           if (place[v] == place[triangle[corner]]) side[corner] = v;
       } else if (open[t] != 0) {
         side[corner] = triangle[corner] + vertex_count;
       }
     }
-    sides.push_back(side);
-  }
+    sides[t] = side;
+  });
   return sides;
 }
 

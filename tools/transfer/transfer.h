@@ -39,6 +39,9 @@ struct TransferOptions {
   // > 0: near-field vectors too, for a virtual sphere of so many radii of the bounding sphere, around its
   // centre. More than 1.
   double sphere_radius = 0;
+  // Interreflected: GB (10⁹ bytes) that the bake keeps within, its matrices and visibility vectors apart; 0:
+  // defaultMemory (memory_plan.h). Results differ only where exact form factors do not fit.
+  double memory = 0;
 };
 
 struct Transfer {
@@ -74,6 +77,13 @@ struct Transfer {
   std::uint64_t back_points = 0;   // back sides of vertices whose bounced light was needed
   std::uint64_t inside_hits = 0;   // rays that met the inside of a closed part: dark
   std::uint64_t form_factors = 0;  // non-zeros
+  std::uint64_t form_factor_bytes = 0;
+  // How the limit was kept (memory_plan.h): bytes, how form factors were held, and in how many parts columns
+  // were solved.
+  std::uint64_t memory_limit = 0, memory_expected = 0;
+  bool exact_shares = true;
+  double share_threshold = 0;
+  int interreflection_parts = 0;
   double shadow_s = 0, interreflection_s = 0, matrices_s = 0;  // wall-clock seconds by step
 };
 

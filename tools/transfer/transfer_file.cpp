@@ -4,6 +4,7 @@
 
 #include "formats/error.h"
 #include "formats/mesh_ply.h"
+#include "formats/tensor_writer.h"
 #include "transport/ray_scene.h"
 #include "transport/sh.h"
 
@@ -11,7 +12,6 @@ namespace bakelight::transfer {
 
 using formats::ElementType;
 using formats::Float3;
-using formats::Tensor;
 
 namespace {
 
@@ -19,35 +19,55 @@ std::uint64_t squared(int order) {
   return static_cast<std::uint64_t>(transport::coefficientCount(order));
 }
 
-Tensor floatTensor(std::vector<std::uint64_t> shape, std::span<const float> values) {
-  return Tensor::from<float>(ElementType::kFloat32, std::move(shape), values);
-}
+// What is to be written, by reference.
+class Contents {
+ public:
+  std::map<std::string, std::string> metadata;
 
-template <std::size_t kSize>
-Tensor rowTensor(std::span<const std::array<float, kSize>> rows) {
-  return floatTensor({rows.size(), kSize},
-                     {rows.empty() ? nullptr : rows.front().data(), kSize * rows.size()});
-}
+  void add(const std::string& name, std::vector<std::uint64_t> shape, std::span<const float> values) {
+    put(name, ElementType::kFloat32, std::move(shape), std::as_bytes(values));
+  }
+  void add(const std::string& name, std::vector<std::uint64_t> shape, std::span<const std::uint32_t> values) {
+    put(name, ElementType::kUint32, std::move(shape), std::as_bytes(values));
+  }
+  template <std::size_t kSize>
+  void addRows(const std::string& name, std::span<const std::array<float, kSize>> rows) {
+    put(name, ElementType::kFloat32, {rows.size(), kSize}, std::as_bytes(rows));
+  }
+  void write(const std::filesystem::path& path) const {
+    formats::TensorWriter writer(path, shapes_, metadata);
+    for (const auto& [name, bytes] : values_) writer.append(name, bytes);
+    writer.finish();
+  }
+
+ private:
+  void put(const std::string& name, ElementType type, std::vector<std::uint64_t> shape,
+           std::span<const std::byte> bytes) {
+    shapes_[name] = {type, std::move(shape)};
+    values_[name] = bytes;
+  }
+
+  std::map<std::string, formats::TensorShape> shapes_;
+  std::map<std::string, std::span<const std::byte>> values_;
+};
 
 void addGlossy(const TransferSettings& settings, const Transfer& baked,
-               const std::optional<transport::Cpca>& cpca, std::uint64_t vertices,
-               formats::TensorFile& file) {
+               const std::optional<transport::Cpca>& cpca, std::uint64_t vertices, Contents& contents) {
   const auto channels = static_cast<std::uint64_t>(baked.channels);
   const std::uint64_t rows = squared(settings.options.row_order), columns = squared(settings.options.order);
-  file.metadata["row_order"] = std::to_string(settings.options.row_order);
-  file.metadata["storage"] = settings.storage;
-  file.tensors["tangent"] = rowTensor<4>(baked.tangents);
+  contents.metadata["row_order"] = std::to_string(settings.options.row_order);
+  contents.metadata["storage"] = settings.storage;
+  contents.addRows<4>("tangent", baked.tangents);
   if (cpca) {
     const auto components = static_cast<std::uint64_t>(cpca->components);
-    file.tensors["weights"] = floatTensor({vertices, components}, cpca->weights);
-    file.tensors["cluster"] = Tensor::from<std::uint32_t>(ElementType::kUint32, {vertices}, cpca->clusters);
-    file.tensors["basis"] =
-        floatTensor({cpca->cluster_count, 1 + components, channels, rows, columns}, cpca->basis);
+    contents.add("weights", {vertices, components}, cpca->weights);
+    contents.add("cluster", {vertices}, cpca->clusters);
+    contents.add("basis", {cpca->cluster_count, 1 + components, channels, rows, columns}, cpca->basis);
   } else if (settings.storage == "visibility") {
-    file.tensors["visibility"] = floatTensor(
-        {vertices, squared(settings.options.row_order + settings.options.order - 1)}, baked.visibility);
+    contents.add("visibility", {vertices, squared(settings.options.row_order + settings.options.order - 1)},
+                 baked.visibility);
   } else {
-    file.tensors["matrix"] = floatTensor({vertices, channels, rows, columns}, baked.matrices);
+    contents.add("matrix", {vertices, channels, rows, columns}, baked.matrices);
   }
 }
 
@@ -76,6 +96,10 @@ void declare(stage::Tool& tool, TransferSettings& settings) {
                  "Interreflected: bounces go on until less than this can be missing")
       .parameter("bounces", options.interreflection.bounces, {0, 1000}, "",
                  "Interreflected: exactly so many bounces; 0 goes by the threshold")
+      .parameter(
+          "memory", options.memory, {0, 1e6}, "GB",
+          "Interreflected: what the bake keeps within, matrices apart, where need be by sums over fewer "
+          "shares of what is seen; 0: 2, or as many as million vertices times 2")
       .parameter(
           "near_field", settings.near_field,
           "Vectors for light at a finite distance, on a virtual sphere, beside those for distant light")
@@ -119,33 +143,38 @@ formats::TriangleMesh readBakeableMesh(const std::filesystem::path& path) {
   return mesh;
 }
 
-formats::TensorFile tensorFile(const formats::TriangleMesh& mesh, const TransferSettings& settings,
-                               std::span<const Float3> albedo, const Transfer& baked,
-                               const std::optional<transport::Cpca>& cpca) {
+void writeTransfer(const std::filesystem::path& path, const formats::TriangleMesh& mesh,
+                   const TransferSettings& settings, std::span<const Float3> albedo, const Transfer& baked,
+                   const std::optional<transport::Cpca>& cpca) {
   const std::uint64_t vertices = mesh.vertexCount(), count = squared(settings.options.order);
   const auto channels = static_cast<std::uint64_t>(baked.channels);
-  formats::TensorFile file;
-  file.metadata = {{"technique", settings.technique},
-                   {"order", std::to_string(settings.options.order)},
-                   {"transport", settings.transport},
-                   {"basis", "real_sh_cartesian"},
-                   {"albedo", "outside"},
-                   {"inverse_pi", "inside"},
-                   {"mesh_hash", formats::geometryHash(mesh)}};
-  file.tensors["transfer"] = floatTensor({vertices, channels, count}, baked.vectors);
+  Contents contents;
+  contents.metadata = {{"technique", settings.technique},
+                       {"order", std::to_string(settings.options.order)},
+                       {"transport", settings.transport},
+                       {"basis", "real_sh_cartesian"},
+                       {"albedo", "outside"},
+                       {"inverse_pi", "inside"},
+                       {"mesh_hash", formats::geometryHash(mesh)}};
+  contents.add("transfer", {vertices, channels, count}, baked.vectors);
+  const transport::Vec3& center = baked.sphere.center;
+  const std::array<double, 4> sphere = {center.x(), center.y(), center.z(), baked.sphere.radius};
+  const std::vector<float> rounded(sphere.begin(), sphere.end());
   if (!baked.near_vectors.empty()) {
-    const transport::Vec3& center = baked.sphere.center;
-    const std::array<double, 4> sphere = {center.x(), center.y(), center.z(), baked.sphere.radius};
-    const std::vector<float> rounded(sphere.begin(), sphere.end());
-    file.tensors["near_transfer"] = floatTensor({vertices, channels, count}, baked.near_vectors);
-    file.tensors["sphere"] = floatTensor({4}, rounded);
+    contents.add("near_transfer", {vertices, channels, count}, baked.near_vectors);
+    contents.add("sphere", {4}, rounded);
   }
-  if (!albedo.empty()) file.tensors["albedo"] = rowTensor<3>(albedo);
-  if (settings.technique == "glossy") addGlossy(settings, baked, cpca, vertices, file);
-  return file;
+  if (!albedo.empty()) contents.addRows<3>("albedo", albedo);
+  if (settings.technique == "glossy") addGlossy(settings, baked, cpca, vertices, contents);
+  contents.write(path);
 }
 
 namespace {
+
+const char* storageName(const Transfer& baked) {
+  if (baked.exact_shares) return "exact";
+  return baked.share_threshold > 0 ? "sampled" : "16 bits";
+}
 
 void reportInterreflection(const TransferSettings& settings, const Transfer& baked, stage::Run& run) {
   const InterreflectionReport& bounced = baked.interreflection;
@@ -155,10 +184,18 @@ void reportInterreflection(const TransferSettings& settings, const Transfer& bak
   run.stat("interreflection_error_bound", bounced.error_bound);
   run.stat("largest_return", bounced.largest_return);
   run.stat("form_factors", baked.form_factors);
+  run.stat("form_factor_bytes", baked.form_factor_bytes);
+  run.stat("form_factor_storage", storageName(baked));
+  run.stat("share_threshold", baked.share_threshold);
+  run.stat("interreflection_parts", baked.interreflection_parts);
   run.stat("back_points", baked.back_points);
   run.stat("inside_hit_share",
            baked.rays > 0 ? static_cast<double>(baked.inside_hits) / static_cast<double>(baked.rays) : 0.0);
   run.stat("interreflection_s", baked.interreflection_s);
+  if (baked.memory_expected > baked.memory_limit)
+    run.warn("the bake needs about " + std::to_string(baked.memory_expected / 1'000'000) +
+             " MB, more than its memory of " + std::to_string(baked.memory_limit / 1'000'000) +
+             " MB: a mesh of fewer triangles needs less");
   if (!bounced.converged && settings.options.interreflection.bounces == 0)
     run.warn("interreflection did not converge: up to " + std::to_string(bounced.error_bound) +
              " of the light may be missing; is the albedo 1 in a closed cavity?");

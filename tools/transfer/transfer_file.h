@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "formats/tensors.h"
 #include "tools/stage/stage.h"
 #include "tools/transfer/transfer.h"
 #include "transport/cpca.h"
@@ -34,11 +33,11 @@ TransferOptions bakeOptions(const TransferSettings& settings);
 
 // Throws Error(kBadInput) if the mesh has no vertex or no normals.
 formats::TriangleMesh readBakeableMesh(const std::filesystem::path& path);
-// The tensors and metadata that pack and inspect read (docs/FORMATS.md). `albedo` may be empty; `cpca` only
-// with that storage.
-formats::TensorFile tensorFile(const formats::TriangleMesh& mesh, const TransferSettings& settings,
-                               std::span<const formats::Float3> albedo, const Transfer& baked,
-                               const std::optional<transport::Cpca>& cpca);
+// Writes the tensors and metadata that pack and inspect read (docs/FORMATS.md). `albedo` may be empty; `cpca`
+// only with that storage.
+void writeTransfer(const std::filesystem::path& path, const formats::TriangleMesh& mesh,
+                   const TransferSettings& settings, std::span<const formats::Float3> albedo,
+                   const Transfer& baked, const std::optional<transport::Cpca>& cpca);
 
 // Figures of the bake into `run`, and warnings where a person should look.
 void report(const formats::TriangleMesh& mesh, const TransferSettings& settings, const Transfer& baked,

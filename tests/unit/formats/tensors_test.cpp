@@ -3,10 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
 #include "formats/error.h"
+#include "formats/tensor_writer.h"
 
 namespace bakelight::formats {
 namespace {
@@ -137,6 +141,97 @@ TEST(Tensors, RequireNamesWhatIsMissing) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr("table"));
+  }
+}
+
+class TensorFiles : public testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::create_directories(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::size_t fileCount() const {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder_), {}));
+  }
+
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("bakelight-tensors-" + std::to_string(::getpid()));
+  const std::filesystem::path path_ = folder_ / "t.safetensors";
+  const std::map<std::string, TensorShape> shapes_ = {{"codes", {ElementType::kUint8, {3}}},
+                                                      {"table", {ElementType::kFloat32, {2, 3}}}};
+  const std::vector<float> values_ = {1, 2, 3, 4, 5, 6};
+  const std::vector<std::uint8_t> codes_ = {7, 8, 9};
+};
+
+TEST_F(TensorFiles, WrittenInBlocksHaveTheBytesOfTheWhole) {
+  TensorWriter writer(path_, shapes_, {{"order", "5"}});
+  writer.append<float>("table", std::span(values_).first(1));
+  writer.append<std::uint8_t>("codes", std::span(codes_).first(2));
+  writer.append<float>("table", {});
+  writer.append<float>("table", std::span(values_).subspan(1));
+  EXPECT_FALSE(std::filesystem::exists(path_));
+  EXPECT_THROW(writer.append<float>("table", values_), std::logic_error);
+  EXPECT_THROW(writer.append<std::uint16_t>("table", {}), std::logic_error);
+  EXPECT_THROW(writer.append<float>("tabel", {}), std::logic_error);
+  EXPECT_THROW(writer.finish(), std::logic_error);
+  writer.append<std::uint8_t>("codes", std::span(codes_).subspan(2));
+  writer.finish();
+
+  TensorFile whole;
+  whole.metadata = {{"order", "5"}};
+  whole.tensors["table"] = Tensor::from<float>(ElementType::kFloat32, {2, 3}, values_);
+  whole.tensors["codes"] = Tensor::from<std::uint8_t>(ElementType::kUint8, {3}, codes_);
+  EXPECT_EQ(readFile(path_), encodeSafetensors(whole));
+  EXPECT_EQ(fileCount(), 1U);
+}
+
+TEST_F(TensorFiles, NothingIsLeftOfOneThatWasNotFinished) {
+  writeSafetensors(path_, sample());
+  {
+    TensorWriter writer(path_, shapes_, {});
+    writer.append<float>("table", values_);
+    EXPECT_EQ(fileCount(), 2U);
+  }
+  EXPECT_EQ(fileCount(), 1U);
+  EXPECT_EQ(readSafetensors(path_).tensors.size(), 5U);
+}
+
+TEST_F(TensorFiles, AreMappedAndOutliveTheirName) {
+  writeSafetensors(path_, sample());
+  const TensorFile read = readSafetensors(path_);
+  std::filesystem::remove(path_);
+  for (const auto& [name, tensor] : sample().tensors)
+    EXPECT_EQ(read.tensors.at(name).data, tensor.data) << name;
+}
+
+// By another program: its header is not padded.
+TEST_F(TensorFiles, ArraysAtOddPlacesAreAlignedWhenRead) {
+  const std::string header = R"({"a":{"dtype":"F32","shape":[1],"data_offsets":[0,4]}} )";
+  ASSERT_EQ(header.size() % 4, 3U);
+  Bytes bytes(8 + header.size() + 4);
+  const std::uint64_t length = header.size();
+  const float value = 1.5F;
+  std::memcpy(bytes.data(), &length, 8);
+  std::memcpy(bytes.data() + 8, header.data(), header.size());
+  std::memcpy(bytes.data() + 8 + header.size(), &value, 4);
+  writeFileAtomically(path_, bytes);
+  const auto read = readSafetensors(path_).tensors.at("a");
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(read.data.data()) % 4, 0U);
+  EXPECT_EQ(read.as<float>()[0], value);
+}
+
+TEST_F(TensorFiles, ThatAreWrongAreNamed) {
+  const auto errorOfFile = [&] {
+    try {
+      readSafetensors(path_);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_THAT(errorOfFile(), HasSubstr("t.safetensors"));
+  const Bytes bytes = encodeSafetensors(sample());
+  for (const std::size_t size : {std::size_t{0}, std::size_t{7}, std::size_t{50}, bytes.size() - 1}) {
+    writeFileAtomically(path_, std::span(bytes).first(size));
+    EXPECT_THAT(errorOfFile(), HasSubstr("t.safetensors")) << size;
   }
 }
 

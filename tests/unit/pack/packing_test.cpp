@@ -406,7 +406,7 @@ TEST(Packing, ShapesThatDoNotFitAreNamed) {
     Tensor& spoiled = transfer.tensors[tensor];
     // One weight less would be the basis's trouble.
     (std::string(tensor) == "weights" ? spoiled.shape.front() : spoiled.shape.back()) -= 1;
-    spoiled.data.resize(spoiled.elementCount() * 4);
+    spoiled.data = formats::Bytes(spoiled.elementCount() * 4);
     EXPECT_THAT(errorOf(transfer, withLobe("ggx")), HasSubstr(std::string("tensor ") + tensor)) << storage;
     transfer.tensors.erase(tensor);
     EXPECT_THAT(errorOf(transfer, withLobe("ggx")), HasSubstr(tensor)) << storage;

@@ -204,11 +204,11 @@ TEST(ShadowPass, GrazingRaysPass) {
   std::vector<float> vector(9);
   std::size_t partly = 0;
   for (const SurfacePoint& point : points) {
-    const PointFigures figures = pass.trace(point, sides, {vector, {}, {}}, work);
+    const TracedPoint traced = pass.trace(point, sides, {vector, {}, {}}, work);
     double seen = vector[0] * std::sqrt(4 * std::numbers::pi);
-    for (const SeenVertex& vertex : figures.seen) seen += vertex.weight;
+    for (const SeenVertex& vertex : traced.seen) seen += vertex.weight;
     EXPECT_NEAR(seen, 1, 1e-5);
-    partly += figures.seen.empty() ? 0 : 1;
+    partly += traced.seen.empty() ? 0 : 1;
     // As if the second query had missed every other ray.
     const std::vector<std::uint32_t> directions = work.blocked_directions;
     for (std::size_t k = 0; k < directions.size(); k += 2) work.hits.blocked[k] = 0;
