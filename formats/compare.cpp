@@ -275,7 +275,7 @@ std::vector<float> flattened(const std::vector<Vector>& vectors) {
 }
 
 // Fields of the same name; whoever has one that the other lacks differs.
-void compareParts(Comparison& comparison, const std::string& name, const Part& part, const Part& reference,
+void compareParts(Comparison& comparison, const std::string& name, const PackPart& part, const PackPart& reference,
                   const CompareLimits& limits) {
   if (!agree(comparison, name + " kind", std::string(part.kind()), std::string(reference.kind()))) return;
   const std::vector<FieldValue> fields = fieldsOf(part), expected = fieldsOf(reference);

@@ -140,7 +140,7 @@ class PackReader2 : private PackReading {
     return result;
   }
 
-  Part readLobe(const std::string& pointer) const {
+  PackPart readLobe(const std::string& pointer) const {
     const std::string model = glb_.textAt(pointer + "/model");
     if (model == BrdfTable::kKind) return readBrdf(pointer);
     const Float3 specular_color = float3At(pointer + "/specularColor");
