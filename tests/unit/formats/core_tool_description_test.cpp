@@ -10,7 +10,7 @@ ToolDescription sample() {
   tool.tool = "sample";
   tool.summary = "A tool.";
   tool.execution_path = "embree avx2";
-  tool.inputs = {{"mesh", "mesh", true, "the mesh"}};
+  tool.inputs = {{"mesh", "mesh", true, "the mesh"}, {"material", "material", false, "", {"albedo"}}};
   tool.outputs = {{"table", "tensors", false, "the table"}};
   ParameterDescription order;
   order.name = "order";
@@ -19,6 +19,7 @@ ToolDescription sample() {
   order.minimum = 1;
   order.maximum = 10;
   order.unit = "bands";
+  order.changes_object = true;
   ParameterDescription bias;
   bias.name = "bias";
   bias.type = ParameterType::kReal;
@@ -40,6 +41,7 @@ ToolDescription sample() {
   draco.name = "draco";
   draco.default_value = false;
   tool.parameters = {order, bias, mode, albedo, draco};
+  tool.retired = {{"lobe", "a material"}};
   return tool;
 }
 
@@ -62,6 +64,10 @@ TEST(ToolDescription, SurvivesItsJson) {
   const Json json = toJson(sample());
   EXPECT_EQ(toJson(toolDescriptionFromJson(json, "sample")), json);
   EXPECT_EQ(toolDescriptionFromJson(json, "sample").execution_path, "embree avx2");
+  const ToolDescription read = toolDescriptionFromJson(json, "sample");
+  EXPECT_EQ(read.inputs.at(1).parts, std::vector<std::string>{"albedo"});
+  EXPECT_TRUE(read.findParameter("order")->changes_object);
+  EXPECT_EQ(read.findRetired("lobe")->instead, "a material");
 }
 
 TEST(ToolDescription, RefusesWhatIsNone) {
@@ -94,6 +100,7 @@ TEST(CheckParameters, NamesPointerRangeAndNearestName) {
   EXPECT_EQ(refusalOf(Json::parse(R"({"albedo": [0, 1, 2]})")).pointer, "/stages/transfer/albedo");
   EXPECT_EQ(refusalOf(Json::parse(R"({"draco": 1})")).expected, "true or false");
   EXPECT_EQ(refusalOf(Json::parse(R"({"ordr": 5})")).remedy, "\"order\"");
+  EXPECT_EQ(refusalOf(Json::parse(R"({"lobe": "ggx"})")).remedy, "a material");
   EXPECT_EQ(refusalOf(Json::parse(R"([1])")).pointer, "/stages/transfer");
 }
 
