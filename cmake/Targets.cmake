@@ -64,17 +64,19 @@ add_library(bakelight_test_flags INTERFACE)
 if(CMAKE_BUILD_TYPE STREQUAL "Release")
   target_compile_options(bakelight_test_flags INTERFACE -O1)
 endif()
-add_library(bakelight_test_precompiled OBJECT ${CMAKE_BINARY_DIR}/precompiled.cpp)
-target_link_libraries(bakelight_test_precompiled PRIVATE
-  bakelight_flags bakelight_test_flags Eigen3::Eigen nlohmann_json::nlohmann_json GTest::gtest GTest::gmock)
-target_precompile_headers(bakelight_test_precompiled PRIVATE ${precompiled_headers} <gtest/gtest.h> <gmock/gmock.h>)
+if(BAKELIGHT_TESTS)
+  add_library(bakelight_test_precompiled OBJECT ${CMAKE_BINARY_DIR}/precompiled.cpp)
+  target_link_libraries(bakelight_test_precompiled PRIVATE
+    bakelight_flags bakelight_test_flags Eigen3::Eigen nlohmann_json::nlohmann_json GTest::gtest GTest::gmock)
+  target_precompile_headers(bakelight_test_precompiled PRIVATE ${precompiled_headers} <gtest/gtest.h> <gmock/gmock.h>)
+endif()
 
 # bakelight_library(NAME SOURCES a.cpp ... [PUBLIC libs] [PRIVATE libs] [OWN_FLAGS]); OWN_FLAGS: a library that it uses
 # brings flags for the compiler, which a precompiled header would have to share.
 function(bakelight_library name)
   cmake_parse_arguments(ARG "OWN_FLAGS" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
-  target_link_libraries(${name} PUBLIC bakelight_flags ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  target_link_libraries(${name} PUBLIC $<BUILD_INTERFACE:bakelight_flags> ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
   if(NOT ARG_OWN_FLAGS)
     target_precompile_headers(${name} REUSE_FROM bakelight_precompiled)
   endif()
@@ -90,6 +92,8 @@ function(bakelight_module name)
   target_link_options(bakelight_${name} PRIVATE LINKER:--no-undefined)
   set_target_properties(bakelight_${name} PROPERTIES
     PREFIX "" OUTPUT_NAME ${name} LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/bakelight)
+  # Where tools look for it: beside their folder.
+  install(TARGETS bakelight_${name} LIBRARY DESTINATION lib/bakelight)
 endfunction()
 
 # All executables, without tests and benchmarks: what `make pipeline` needs.
@@ -104,6 +108,7 @@ function(bakelight_executable name)
   target_link_libraries(${name}-tool PRIVATE bakelight_flags ${ARG_LIBRARIES})
   target_precompile_headers(${name}-tool REUSE_FROM bakelight_precompiled)
   add_dependencies(tools ${name}-tool)
+  install(TARGETS ${name}-tool)
 endfunction()
 
 # bakelight_test(NAME SOURCES a_test.cpp ... LIBRARIES libs [DEPENDS targets] [SPLIT]): one GoogleTest program a room.

@@ -93,8 +93,8 @@ TEST_F(DefaultRecipe, DeliversTheBunny) {
   EXPECT_THAT(first_run_.output, testing::HasSubstr("frame.png"));
   const formats::Pack pack = formats::readPack(driver_->out() / "bunny/bunny.glb");
   EXPECT_EQ(pack.name, "bunny");
-  EXPECT_EQ(pack.transfer.order, 5);
-  EXPECT_EQ(pack.transfer.transport, "interreflected");
+  EXPECT_EQ(pack.sh().order, 5);
+  EXPECT_EQ(pack.sh().transport, formats::Transport::kInterreflected);
   EXPECT_NEAR(static_cast<double>(pack.mesh.vertexCount()), 10800, 200);
   // An ordinary glTF reader sees the same triangles.
   EXPECT_EQ(formats::importMesh(driver_->out() / "bunny/bunny.glb").mesh.triangleCount(),
@@ -142,11 +142,11 @@ TEST_F(DefaultRecipe, ChangedOrderRunsTransferAndLaterOnly) {
                                             {"transfer", "ran"},
                                             {"pack", "ran"},
                                             {"frame", "ran"}}));
-  EXPECT_EQ(formats::readPack(driver.out() / "bunny/bunny.glb").transfer.order, 4);
+  EXPECT_EQ(formats::readPack(driver.out() / "bunny/bunny.glb").sh().order, 4);
   // Back to what was there before: from the cache.
   ASSERT_EQ(driver.run(kBunny).status, 0);
   EXPECT_EQ(driver.statuses("bunny")["transfer"], "cached");
-  EXPECT_EQ(formats::readPack(driver.out() / "bunny/bunny.glb").transfer.order, 5);
+  EXPECT_EQ(formats::readPack(driver.out() / "bunny/bunny.glb").sh().order, 5);
 }
 
 TEST_F(DefaultRecipe, SameBytesWithOneThread) {

@@ -81,11 +81,12 @@ TEST(EncodedTable, Float32IsBitForBit) {
 }
 
 TEST(EncodedTable, EachOfThe65536HalvesDecodesByDefinitionAndEncodesToItself) {
-  EncodedTable table{Precision::kFloat16, 65536, 1, Bytes(65536 * 2), {}, {}};
+  Bytes codes(65536 * 2);
   for (std::uint32_t bits = 0; bits < 65536; ++bits) {
     const auto code = static_cast<std::uint16_t>(bits);
-    std::memcpy(table.data.data() + 2 * bits, &code, 2);
+    std::memcpy(codes.data() + 2 * bits, &code, 2);
   }
+  const EncodedTable table{Precision::kFloat16, 65536, 1, std::move(codes), {}, {}};
   const std::vector<float> decoded = table.decode();
   int finite = 0;
   for (std::uint32_t bits = 0; bits < 65536; ++bits) {

@@ -21,7 +21,9 @@ formats::EncodedTable tableOf(const std::vector<float>& values, std::size_t colu
 }
 
 formats::Pack trianglePack() {
-  formats::Pack pack{"one", {}, {0.5f, 0.25f, 0.125f}, {}, {}};
+  formats::Pack pack;
+  pack.name = "one";
+  pack.appearances[0].base_color = {0.5f, 0.25f, 0.125f};
   pack.mesh.positions = {{0, 0, 0}, {3, 0, 0}, {0, 4, 0}};
   pack.mesh.normals.assign(3, {0, 0, 1});
   pack.mesh.triangles = {{0, 1, 2}};

@@ -40,7 +40,8 @@ class InspectFileTest : public ::testing::Test {
 constexpr const char* kObj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 formats::Pack trianglePack() {
-  formats::Pack pack{"one", {}, {1, 1, 1}, {}, {}};
+  formats::Pack pack;
+  pack.name = "one";
   pack.sh().order = 1;
   pack.sh().vectors =
       formats::encodeTable(std::vector<float>{1, 1, 1}, 1, formats::Precision::kFloat32, "test", "table");
