@@ -275,8 +275,8 @@ std::vector<float> flattened(const std::vector<Vector>& vectors) {
 }
 
 // Fields of the same name; whoever has one that the other lacks differs.
-void compareParts(Comparison& comparison, const std::string& name, const PackPart& part, const PackPart& reference,
-                  const CompareLimits& limits) {
+void compareParts(Comparison& comparison, const std::string& name, const PackPart& part,
+                  const PackPart& reference, const CompareLimits& limits) {
   if (!agree(comparison, name + " kind", std::string(part.kind()), std::string(reference.kind()))) return;
   const std::vector<FieldValue> fields = fieldsOf(part), expected = fieldsOf(reference);
   const auto namesOfFields = [](const std::vector<FieldValue>& list) {

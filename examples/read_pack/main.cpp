@@ -36,7 +36,8 @@ int main(int argc, char** argv) {
     std::printf("%s: %zu vertices, %zu triangles, order %d, %s\n", pack.name.c_str(), pack.mesh.vertexCount(),
                 pack.mesh.triangleCount(), transfer.order, nameOf(transfer.transport));
     for (const Appearance& appearance : pack.appearances)
-      std::printf("material '%s': reflects as %s\n", appearance.material.c_str(), appearance.reflection.kind());
+      std::printf("material '%s': reflects as %s\n", appearance.material.c_str(),
+                  appearance.reflection.kind());
     std::printf("of a sky of radiance 1, vertices receive %.3f to %.3f\n", darkest, brightest);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -26,7 +26,7 @@
 #include "tools/simplify/simplify.h"
 #include "tools/transfer/transfer.h"
 #include "transport/camera.h"
-#include "transport/cpca.h"
+#include "tools/transfer/cpca.h"
 #include "transport/glossy_evaluator.h"
 #include "transport/lights.h"
 #include "transport/vertex_shading.h"
@@ -82,9 +82,9 @@ const transfer::Transfer& visibility() {
 
 constexpr std::size_t kCells = kOrder * kOrder * kOrder * kOrder;
 
-const transport::Cpca& cpca() {
-  static const transport::Cpca made =
-      transport::clusteredPca(matrices().matrices, kCells, {kClusters, kComponents, 12});
+const transfer::Cpca& cpca() {
+  static const transfer::Cpca made =
+      transfer::clusteredPca(matrices().matrices, kCells, {kClusters, kComponents, 12});
   return made;
 }
 

@@ -164,7 +164,8 @@ TEST_F(Sweep, AlbedoIsThatOfTheMaterialWithBouncesOrWithout) {
                              {"stages", {{"transfer", {{"transport", transport}}}}}});
     const ShellOutcome ran = bakelight("run", "--deliver pack");
     ASSERT_EQ(ran.status, 0) << ran.output;
-    EXPECT_EQ(formats::readPack(folder_ / "out/bodies/bodies.glb").appearances[0].base_color, (Float3{0.25F, 0.5F, 0.125F}))
+    EXPECT_EQ(formats::readPack(folder_ / "out/bodies/bodies.glb").appearances[0].base_color,
+              (Float3{0.25F, 0.5F, 0.125F}))
         << transport;
   }
 }

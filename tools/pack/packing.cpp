@@ -120,8 +120,8 @@ std::vector<formats::Appearance> appearancesOf(formats::TriangleMesh& mesh, cons
 }
 
 void checkCombination(const formats::Pack& pack, const SourceNames& files) {
-  const bool has_reflection =
-      std::any_of(pack.appearances.begin(), pack.appearances.end(), [](const formats::Appearance& appearance) {
+  const bool has_reflection = std::any_of(
+      pack.appearances.begin(), pack.appearances.end(), [](const formats::Appearance& appearance) {
         return appearance.reflection.as<formats::LambertReflection>() == nullptr;
       });
   const bool is_glossy = pack.sh().glossy.has_value();

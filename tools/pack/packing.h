@@ -33,10 +33,11 @@ const std::vector<std::string>& reflectionNames();
 // `transfer` is the transfer stage's file and `brdf` (null without one) the brdf tool's; docs/FORMATS.md has
 // both. Throws Error(kBadInput) naming tensor or key if one says something that a pack of this version cannot
 // hold, if a shape does not fit the mesh, or if it was baked for another mesh or another albedo than the
-// material's; at /reflection or /brdf if reflection, transfer and table do not go together: a reflection needs
-// matrices, matrices need a reflection, and "table" needs `brdf`, which is one for all materials, or materials
-// that are tables. There is an appearance for each material that a triangle has; vertices stay as the transfer
-// file has them, to be put in order by orderByMaterial. The pack itself is judged by formats::encodePack.
+// material's; at /reflection or /brdf if reflection, transfer and table do not go together: a reflection
+// needs matrices, matrices need a reflection, and "table" needs `brdf`, which is one for all materials, or
+// materials that are tables. There is an appearance for each material that a triangle has; vertices stay as
+// the transfer file has them, to be put in order by orderByMaterial. The pack itself is judged by
+// formats::encodePack.
 formats::Pack assemblePack(formats::TriangleMesh mesh, const formats::TensorFile& transfer,
                            const formats::TensorFile* brdf, const PackingOptions& options,
                            const SourceNames& files);

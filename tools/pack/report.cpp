@@ -43,10 +43,10 @@ bool lobeLeavesOut(const formats::SurfaceMaterials& material) {
 }  // namespace
 
 void warnOfLobe(const formats::Pack& pack, const formats::SurfaceMaterials& material, stage::Run& run) {
-  const bool has_lobe =
-      std::any_of(pack.appearances.begin(), pack.appearances.end(), [](const formats::Appearance& appearance) {
-        return appearance.reflection.as<formats::GgxLobe>() != nullptr;
-      });
+  const bool has_lobe = std::any_of(pack.appearances.begin(), pack.appearances.end(),
+                                    [](const formats::Appearance& appearance) {
+                                      return appearance.reflection.as<formats::GgxLobe>() != nullptr;
+                                    });
   if (has_lobe && lobeLeavesOut(material))
     run.warn(
         "a lobe has neither Fresnel's term nor multiple scattering, which the material has; reflection "

@@ -8,12 +8,11 @@
 #include <vector>
 
 #include "formats/material.h"
-#include "transport/distant_light_sampler.h"
+#include "tools/reference/distant_light_sampler.h"
 #include "transport/microfacet.h"
 
 namespace bakelight::reference {
 
-using transport::Rgb;
 using transport::Vec3;
 
 // A normalised lobe around the reflection direction, ∫ K = 1 over the sphere.

@@ -4,12 +4,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "transport/distant_light_sampler.h"
+#include "tools/reference/distant_light_sampler.h"
 #include "transport/light_rig.h"
 
 namespace bakelight::reference {
 
-using transport::Rgb;
 using transport::Vec3;
 
 // Both sides shine alike in all directions, so power is luminance × area. Up to 64 neighbouring triangles of

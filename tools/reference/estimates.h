@@ -5,12 +5,10 @@
 #include <cstdint>
 #include <functional>
 
+#include "tools/reference/distant_light_sampler.h"
 #include "tools/stage/progress.h"
-#include "transport/distant_light_sampler.h"
 
 namespace bakelight::reference {
-
-using transport::Rgb;
 
 // Mean and variance from the means of independent batches (Welford's update). Luminance is kept as a fourth
 // component, since its variance needs the colours' covariances.

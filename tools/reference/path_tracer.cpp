@@ -63,7 +63,7 @@ Rgb PathTracer::directLight(const Vertex& vertex, const Bsdf& bsdf, std::uint64_
     if (!blocked(origin, direction, distance)) light += contribution;
   };
 
-  const transport::DistantLightSampler& distant = scene_.distantLight();
+  const DistantLightSampler& distant = scene_.distantLight();
   for (const auto& directional : distant.directional())
     add(directional.direction, kInfinity, bsdf.value(directional.direction) * directional.irradiance);
   if (options_.integrator == Integrator::kUniform) return light;

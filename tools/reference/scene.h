@@ -45,7 +45,7 @@ class Scene {
   // The same and the emitters after it: positions and triangles that rays meet.
   const formats::TriangleMesh& rayMesh() const { return ray_mesh_; }
   const Glossy& material(std::uint32_t number) const { return materials_[number]; }
-  const transport::DistantLightSampler& distantLight() const { return distant_; }
+  const DistantLightSampler& distantLight() const { return distant_; }
   const EmitterSampler& emitters() const { return emitters_; }
 
   // Triangles of the rays' scenes: the mesh's, then the emitters'.
@@ -77,7 +77,7 @@ class Scene {
   std::vector<transport::Float3> vertex_albedo_;
   std::vector<Glossy> materials_;
   std::vector<std::uint32_t> material_of_triangle_, material_of_vertex_;  // empty: all have the first
-  transport::DistantLightSampler distant_;
+  DistantLightSampler distant_;
   EmitterSampler emitters_;
   formats::TriangleMesh ray_mesh_;
   transport::RayScene rays_, emitter_rays_;

@@ -14,7 +14,7 @@
 #include "tools/report/renderer.h"
 #include "tools/report/sources.h"
 #include "tools/report/timing.h"
-#include "transport/flip.h"
+#include "tools/report/flip.h"
 
 namespace bakelight::report {
 
@@ -81,7 +81,7 @@ class Evaluator {
   Pictures truth_;
   std::unique_ptr<Renderer> renderer_;
   std::vector<double> exposures_;
-  std::vector<transport::FlipReference> flips_;
+  std::vector<FlipReference> flips_;
   RecentlyUsed<Pictures> pictures_;
 };
 

@@ -41,10 +41,10 @@ int main(int argc, char** argv) {
       stage::Progress progress = run.progress("transfer", mesh.vertexCount(), "vertices");
       baked = transfer::bakeTransfer(mesh, albedo, options, progress);
     }
-    std::optional<transport::Cpca> cpca;
+    std::optional<transfer::Cpca> cpca;
     if (settings.technique == "glossy" && settings.storage == "cpca") {
       stage::Progress progress = run.progress("cpca", settings.cpca.iterations, "rounds");
-      cpca = transport::clusteredPca(baked.matrices, baked.matrices.size() / mesh.vertexCount(),
+      cpca = transfer::clusteredPca(baked.matrices, baked.matrices.size() / mesh.vertexCount(),
                                      settings.cpca, [&] { progress.advance(); });
     }
     const double bake_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

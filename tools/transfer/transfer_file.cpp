@@ -52,7 +52,7 @@ class Contents {
 };
 
 void addGlossy(const TransferSettings& settings, const Transfer& baked,
-               const std::optional<transport::Cpca>& cpca, std::uint64_t vertices, Contents& contents) {
+               const std::optional<Cpca>& cpca, std::uint64_t vertices, Contents& contents) {
   const auto channels = static_cast<std::uint64_t>(baked.channels);
   const std::uint64_t rows = squared(settings.options.row_order), columns = squared(settings.options.order);
   contents.metadata["row_order"] = std::to_string(settings.options.row_order);
@@ -145,7 +145,7 @@ formats::TriangleMesh readBakeableMesh(const std::filesystem::path& path) {
 
 void writeTransfer(const std::filesystem::path& path, const formats::TriangleMesh& mesh,
                    const TransferSettings& settings, std::span<const Float3> albedo, const Transfer& baked,
-                   const std::optional<transport::Cpca>& cpca) {
+                   const std::optional<Cpca>& cpca) {
   const std::uint64_t vertices = mesh.vertexCount(), count = squared(settings.options.order);
   const auto channels = static_cast<std::uint64_t>(baked.channels);
   Contents contents;
@@ -207,7 +207,7 @@ void reportInterreflection(const TransferSettings& settings, const Transfer& bak
 }  // namespace
 
 void report(const formats::TriangleMesh& mesh, const TransferSettings& settings, const Transfer& baked,
-            const std::optional<transport::Cpca>& cpca, double bake_s, stage::Run& run) {
+            const std::optional<Cpca>& cpca, double bake_s, stage::Run& run) {
   run.stat("vertices", mesh.vertexCount());
   run.stat("channels", baked.channels);
   run.stat("bake_s", bake_s);

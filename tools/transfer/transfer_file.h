@@ -9,7 +9,7 @@
 
 #include "tools/stage/stage.h"
 #include "tools/transfer/transfer.h"
-#include "transport/cpca.h"
+#include "tools/transfer/cpca.h"
 
 namespace bakelight::transfer {
 
@@ -21,7 +21,7 @@ struct TransferSettings {
   bool near_field = false;
   double sphere_radius = 2;
   TransferOptions options;
-  transport::CpcaOptions cpca;
+  CpcaOptions cpca;
 };
 
 // The tool's parameters, one for each setting.
@@ -37,10 +37,10 @@ formats::TriangleMesh readBakeableMesh(const std::filesystem::path& path);
 // only with that storage.
 void writeTransfer(const std::filesystem::path& path, const formats::TriangleMesh& mesh,
                    const TransferSettings& settings, std::span<const formats::Float3> albedo,
-                   const Transfer& baked, const std::optional<transport::Cpca>& cpca);
+                   const Transfer& baked, const std::optional<Cpca>& cpca);
 
 // Figures of the bake into `run`, and warnings where a person should look.
 void report(const formats::TriangleMesh& mesh, const TransferSettings& settings, const Transfer& baked,
-            const std::optional<transport::Cpca>& cpca, double bake_s, stage::Run& run);
+            const std::optional<Cpca>& cpca, double bake_s, stage::Run& run);
 
 }  // namespace bakelight::transfer

@@ -328,8 +328,10 @@ class EveryField : public testing::TestWithParam<std::tuple<Storage, Lobe>> {
   // Calls test(pack, name of what was changed) for each field of the transfer and the reflection.
   template <class Test>
   void forEachChange(const Test& test) {
+    TriangleMesh grid = wavyGrid(4);
+    grid.texcoords.clear();  // they are turned over, which may round
     const Pack source =
-        glossyPack(wavyGrid(4), std::get<0>(GetParam()), Precision::kUint8, std::get<1>(GetParam()));
+        glossyPack(std::move(grid), std::get<0>(GetParam()), Precision::kUint8, std::get<1>(GetParam()));
     std::size_t tested = 0;
     for (const bool of_transfer : {true, false})
       for (std::size_t i = 0;; ++i) {
@@ -370,7 +372,6 @@ TEST_P(EveryField, FollowsItsVertex) {
     for (const Float3& position : changed.mesh.positions) order.push_back(place.at(position));
     permuteVertices(read, order);
     read.mesh.triangles = changed.mesh.triangles;
-    read.mesh.texcoords = changed.mesh.texcoords;
     const Comparison comparison = comparePacks(read, changed, {});
     EXPECT_TRUE(comparison.passes()) << testing::PrintToString(comparison.mismatches);
   });

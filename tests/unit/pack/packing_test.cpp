@@ -364,7 +364,8 @@ TEST(Packing, MaterialsReflectEachInItsOwnWay) {
   // There is one table for all.
   options.reflection = "table";
   const TensorFile brdf = brdfOfOrder(4);
-  EXPECT_THAT(errorOf(transfer, options, &brdf, mesh), AllOf(HasSubstr("/materials"), HasSubstr("one projected table")));
+  EXPECT_THAT(errorOf(transfer, options, &brdf, mesh),
+              AllOf(HasSubstr("/materials"), HasSubstr("one projected table")));
 }
 
 TEST(Packing, RefusesATransferOfAnotherMesh) {

@@ -27,12 +27,12 @@ TEST(Variants, NothingVariedIsOneVariant) {
 }
 
 TEST(Variants, AChoiceBringsFurtherSettings) {
-  const auto variants = variantsOf({"storageOf(transfer)=cpca,visibility+transfer.transport=shadowed"});
+  const auto variants = variantsOf({"transfer.storage=cpca,visibility+transfer.transport=shadowed"});
   ASSERT_EQ(variants.size(), 2u);
   EXPECT_EQ(variants[0].settings.size(), 1u);
   EXPECT_EQ(variants[1].name, "storage=visibility");
   EXPECT_EQ(parametersOf(variants[1]),
-            formats::Json({{"storageOf(transfer)", "visibility"}, {"transfer.transport", "shadowed"}}));
+            formats::Json({{"transfer.storage", "visibility"}, {"transfer.transport", "shadowed"}}));
 }
 
 TEST(Variants, ListsAndNegativeRangesAreValues) {

@@ -5,11 +5,11 @@
 #include <numbers>
 #include <set>
 
+#include "tests/support/pack_parts.h"
 #include "tests/unit/reference/scenes.h"
 #include "transport/directions.h"
 #include "transport/gauss_legendre.h"
 #include "transport/glossy.h"
-#include "tests/support/pack_parts.h"
 
 namespace bakelight::reference {
 namespace {
@@ -34,7 +34,7 @@ class LobeShape : public testing::TestWithParam<LobeCase> {
  protected:
   LobeShape()
       : lobe_(GetParam().model == formats::Lobe::kPhong ? Lobe::phong(GetParam().parameter)
-                                                             : Lobe::ggx(GetParam().parameter)),
+                                                        : Lobe::ggx(GetParam().parameter)),
         kernel_(GetParam().model == formats::Lobe::kPhong
                     ? transport::phongKernel(kOrder, GetParam().parameter)
                     : transport::ggxKernel(kOrder, GetParam().parameter)) {}

@@ -1,3 +1,3 @@
 bakelight_test(sampling_test
-  SOURCES random_test.cpp distant_light_sampler_test.cpp single_ray_test.cpp
+  SOURCES random_test.cpp single_ray_test.cpp
   LIBRARIES bakelight_rays)

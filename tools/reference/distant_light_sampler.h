@@ -8,7 +8,9 @@
 #include "formats/light_rig.h"
 #include "transport/vector_types.h"
 
-namespace bakelight::transport {
+namespace bakelight::reference {
+
+using transport::Float3, transport::Vec3;
 
 using Rgb = Eigen::Array3d;
 
@@ -56,4 +58,4 @@ class DistantLightSampler {
   std::unique_ptr<Implementation> implementation_;
 };
 
-}  // namespace bakelight::transport
+}  // namespace bakelight::reference

@@ -1,4 +1,4 @@
-#include "transport/cpca.h"
+#include "tools/transfer/cpca.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace bakelight::transport {
+namespace bakelight::transfer {
 namespace {
 
 constexpr std::size_t kDimension = 30;
@@ -150,4 +150,4 @@ TEST(Cpca, CallsBackOnceARoundAndRefusesBadSizes) {
 }
 
 }  // namespace
-}  // namespace bakelight::transport
+}  // namespace bakelight::transfer

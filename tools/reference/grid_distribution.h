@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace bakelight::transport {
+namespace bakelight::reference {
 
 // width × height cells, rows one after the other. A row is drawn first, then a cell in it, each by inverting
 // cumulative weights, so that strata of the unit square stay together (Pharr, Jakob & Humphreys, "Physically
@@ -32,4 +32,4 @@ class GridDistribution {
   std::vector<double> rows_, columns_;
 };
 
-}  // namespace bakelight::transport
+}  // namespace bakelight::reference

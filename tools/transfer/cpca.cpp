@@ -2,7 +2,7 @@
 // sections 4.1–4.3: vector quantisation that turns into CPCA by letting the number of components grow with
 // the rounds
 // ("adaptive PCA"), which falls into fewer bad local minima than full components from the start.
-#include "transport/cpca.h"
+#include "tools/transfer/cpca.h"
 
 #include <tbb/parallel_for.h>
 
@@ -13,7 +13,7 @@
 #include <mutex>
 #include <stdexcept>
 
-namespace bakelight::transport {
+namespace bakelight::transfer {
 namespace {
 
 using Eigen::Index;
@@ -222,4 +222,4 @@ Cpca clusteredPca(std::span<const float> vectors, std::size_t dimension, const C
   return describe(view, clusters, options.components);
 }
 
-}  // namespace bakelight::transport
+}  // namespace bakelight::transfer

@@ -1,4 +1,4 @@
-#include "transport/flip.h"
+#include "tools/report/flip.h"
 
 #include <tbb/parallel_for.h>
 
@@ -11,7 +11,7 @@
 
 #include "transport/color.h"
 
-namespace bakelight::transport {
+namespace bakelight::report {
 namespace {
 
 using Eigen::Matrix3d, Eigen::Vector3d;
@@ -170,7 +170,8 @@ FlipReference::Perceived perceive(const formats::Image& display, double pixels_p
   std::array<Plane, 3> opponent = {Plane(pixels), Plane(pixels), Plane(pixels)};
   for (std::size_t i = 0; i < pixels; ++i) {
     const float* encoded = &display.values[i * display.channelCount()];
-    const Vector3d rgb(linearFromSrgb(encoded[0]), linearFromSrgb(encoded[1]), linearFromSrgb(encoded[2]));
+    const Vector3d rgb(transport::linearFromSrgb(encoded[0]), transport::linearFromSrgb(encoded[1]),
+                       transport::linearFromSrgb(encoded[2]));
     const Vector3d color = opponentFromRelativeXyz(xyz_from_rgb * rgb);
     for (int c = 0; c < 3; ++c) opponent[c][i] = static_cast<float>(color[c]);
   }
@@ -246,4 +247,4 @@ std::vector<float> FlipReference::errorsOf(const formats::Image& test) const {
   return errors;
 }
 
-}  // namespace bakelight::transport
+}  // namespace bakelight::report

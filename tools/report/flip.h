@@ -7,7 +7,7 @@
 
 #include "formats/image.h"
 
-namespace bakelight::transport {
+namespace bakelight::report {
 
 // A display of 3840 pixels across 0.7 m, seen from 0.7 m: about 67.
 double defaultPixelsPerDegree();
@@ -36,4 +36,4 @@ class FlipReference {
   Perceived reference_;
 };
 
-}  // namespace bakelight::transport
+}  // namespace bakelight::report

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace bakelight::transport {
+namespace bakelight::transfer {
 
 struct CpcaOptions {
   int clusters = 64;    // at most; a cluster that loses its members is dropped
@@ -31,4 +31,4 @@ struct Cpca {
 Cpca clusteredPca(std::span<const float> vectors, std::size_t dimension, const CpcaOptions& options,
                   const std::function<void()>& round_done = {});
 
-}  // namespace bakelight::transport
+}  // namespace bakelight::transfer

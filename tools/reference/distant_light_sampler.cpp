@@ -1,4 +1,4 @@
-#include "transport/distant_light_sampler.h"
+#include "tools/reference/distant_light_sampler.h"
 
 #include <tbb/parallel_for.h>
 
@@ -8,13 +8,29 @@
 #include <numbers>
 #include <span>
 
-#include "transport/grid_distribution.h"
+#include "tools/reference/grid_distribution.h"
 #include "transport/light_backdrop.h"
 #include "transport/lights.h"
 #include "transport/random.h"
 #include "transport/sky.h"
 
-namespace bakelight::transport {
+namespace bakelight::reference {
+
+using transport::accumulateProbabilities;
+using transport::DefaultLight;
+using transport::directionOfLatLong;
+using transport::drawBackdrop;
+using transport::drawInterval;
+using transport::DrawnInterval;
+using transport::float3;
+using transport::kSunHalfAngle_rad;
+using transport::latLongOfDirection;
+using transport::latLongTexelSolidAngle;
+using transport::luminance;
+using transport::rgbImage;
+using transport::Sky;
+using transport::vec3;
+using transport::worldFromEnvironment;
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -372,4 +388,4 @@ DistantLightSampler::Sample DistantLightSampler::sample(const Vec3& normal, doub
   return sample;
 }
 
-}  // namespace bakelight::transport
+}  // namespace bakelight::reference

@@ -1,4 +1,4 @@
-#include "transport/distant_light_sampler.h"
+#include "tools/reference/distant_light_sampler.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "transport/random.h"
 #include "transport/sky.h"
 
-namespace bakelight::transport {
+namespace bakelight::reference {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -19,7 +19,7 @@ formats::LightRig imageRig(int height, double yaw_deg = 0, double intensity = 1)
   formats::EnvironmentLight light;
   light.image = formats::Image(2 * height, height, {"R", "G", "B"});
   for (std::size_t i = 0; i < light.image.values.size(); ++i)
-    light.image.values[i] = 0.1f + static_cast<float>(scrambled(i) % 1000) * 1e-3f;
+    light.image.values[i] = 0.1f + static_cast<float>(transport::scrambled(i) % 1000) * 1e-3f;
   for (int c = 0; c < 3; ++c) light.image.texel(height / 3, height / 4)[c] = 500;
   light.yaw_deg = yaw_deg;
   light.intensity = intensity;
@@ -68,15 +68,15 @@ TEST_P(Rig, SamplesGiveTheIrradiance) {
     double sampled = 0, squares = 0;
     constexpr int kBatches = 4000;
     for (int i = 0; i < kBatches; ++i) {
-      const StratifiedBatch batch(1, 1, static_cast<std::uint64_t>(i));
+      const transport::StratifiedBatch batch(1, 1, static_cast<std::uint64_t>(i));
       double mean = 0;
-      for (int s = 0; s < StratifiedBatch::kSize; ++s) {
+      for (int s = 0; s < transport::StratifiedBatch::kSize; ++s) {
         const auto [u, v] = batch.pair(s, 0);
         const auto sample = sampler.sample(n, u, v);
         ASSERT_GT(sample.incident.density_per_sr, 0);
         ASSERT_NEAR(sample.direction.norm(), 1, 1e-12);
         mean += sample.incident.radiance[1] * std::max(0.0, n.dot(sample.direction)) /
-                sample.incident.density_per_sr / StratifiedBatch::kSize;
+                sample.incident.density_per_sr / transport::StratifiedBatch::kSize;
         if (i >= 20) continue;
         const auto again = sampler.towards(sample.direction, n);
         ASSERT_NEAR(again.density_per_sr, sample.incident.density_per_sr, 1e-9 * again.density_per_sr);
@@ -90,7 +90,7 @@ TEST_P(Rig, SamplesGiveTheIrradiance) {
     EXPECT_LT(error, 0.015 * sampled);
 
     double expected = 0;
-    static const std::vector<Vec3> directions = sphereDirections(500000);
+    static const std::vector<Vec3> directions = transport::sphereDirections(500000);
     for (const Vec3& direction : directions)
       expected += std::max(0.0, n.dot(direction)) * sampler.radiance(direction)[1] * 4 * kPi /
                   static_cast<double>(directions.size());
@@ -102,9 +102,9 @@ TEST_P(Rig, SamplesGiveTheIrradiance) {
 // sampled.
 TEST_P(Rig, DensityIntegratesToOneAndCoversAllLightAbove) {
   const DistantLightSampler sampler(rig(), Eigen::Matrix3d::Identity());
-  const std::vector<Vec3> directions = sphereDirections(100000);
+  const std::vector<Vec3> directions = transport::sphereDirections(100000);
   int above = 0;
-  for (const Vec3& normal : sphereDirections(12)) {
+  for (const Vec3& normal : transport::sphereDirections(12)) {
     double total = 0;
     for (const Vec3& direction : directions) {
       const auto incident = sampler.towards(direction, normal);
@@ -128,38 +128,40 @@ TEST(DistantLightSampler, TexelsAreConstant) {
   for (int y = 0; y < 16; ++y)
     for (int x = 0; x < 32; ++x)
       for (const double inside : {0.01, 0.5, 0.99}) {
-        const Rgb radiance = sampler.radiance(directionOfLatLong((x + inside) / 32, (y + 1 - inside) / 16));
+        const Rgb radiance =
+            sampler.radiance(transport::directionOfLatLong((x + inside) / 32, (y + 1 - inside) / 16));
         for (Eigen::Index c = 0; c < 3; ++c) ASSERT_EQ(radiance[c], image.texel(x, y)[c]) << x << " " << y;
       }
 }
 
 // Projected by quadrature, the sampler's radiance is the light that the player has.
 TEST(DistantLightSampler, IsThePlayersLight) {
-  const std::vector<Vec3> directions = sphereDirections(400000);
+  const std::vector<Vec3> directions = transport::sphereDirections(400000);
   const auto project = [&](const formats::LightRig& rig) {
     const DistantLightSampler sampler(rig, Eigen::Matrix3d::Identity());
     std::vector<Rgb> light(9, Rgb::Zero());
     for (const Vec3& direction : directions) {
       const Rgb radiance = sampler.radiance(direction) * 4 * kPi / static_cast<double>(directions.size());
-      const auto basis = evaluateSh(3, direction);
+      const auto basis = transport::evaluateSh(3, direction);
       for (std::size_t i = 0; i < 9; ++i) light[i] += radiance * basis[i];
     }
     return light;
   };
-  const auto expectSame = [](const std::vector<Rgb>& a, const ShLight& b, double tolerance) {
+  const auto expectSame = [](const std::vector<Rgb>& a, const transport::ShLight& b, double tolerance) {
     for (std::size_t i = 0; i < 9; ++i)
       for (std::size_t c = 0; c < 3; ++c)
         EXPECT_NEAR(a[i][static_cast<Eigen::Index>(c)], b[i][c], tolerance * b[0][c]) << i << " " << c;
   };
-  expectSame(project({}), defaultLight(3), 1e-3);
+  expectSame(project({}), transport::defaultLight(3), 1e-3);
   const formats::LightRig image = imageRig(64);
   expectSame(project(image),
-             projectLatLong(std::get<formats::EnvironmentLight>(image.distant[0]).image, 3, ""), 0.01);
+             transport::projectLatLong(std::get<formats::EnvironmentLight>(image.distant[0]).image, 3, ""),
+             0.01);
   formats::SkyLight sky;
   sky.sun = false;
   formats::LightRig rig;
   rig.distant.emplace_back(sky);
-  expectSame(project(rig), skyLight(Sky(sky), 3), 2e-3);
+  expectSame(project(rig), transport::skyLight(transport::Sky(sky), 3), 2e-3);
 }
 
 TEST(DistantLightSampler, DirectionalLightsAreListedAndTurned) {
@@ -181,4 +183,4 @@ TEST(DistantLightSampler, DarknessHasNoSamples) {
 }
 
 }  // namespace
-}  // namespace bakelight::transport
+}  // namespace bakelight::reference

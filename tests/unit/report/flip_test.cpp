@@ -1,4 +1,4 @@
-#include "transport/flip.h"
+#include "tools/report/flip.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace bakelight::transport {
+namespace bakelight::report {
 namespace {
 
 constexpr int kWidth = 56, kHeight = 40;
@@ -108,4 +108,4 @@ TEST(Flip, IsTheSameOnOneThread) {
 }
 
 }  // namespace
-}  // namespace bakelight::transport
+}  // namespace bakelight::report

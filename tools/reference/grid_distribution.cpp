@@ -1,17 +1,17 @@
-#include "transport/grid_distribution.h"
+#include "tools/reference/grid_distribution.h"
 
 #include "transport/random.h"
 
-namespace bakelight::transport {
+namespace bakelight::reference {
 
 GridDistribution::GridDistribution(int width, int height, std::span<const double> weights)
     : width_(width), rows_(height + 1), columns_(static_cast<std::size_t>(height) * (width + 1)) {
   const auto w = static_cast<std::size_t>(width), h = static_cast<std::size_t>(height);
   std::vector<double> row_weights(h);
   for (std::size_t y = 0; y < h; ++y)
-    row_weights[y] =
-        accumulateProbabilities(weights.subspan(y * w, w), std::span(columns_).subspan(y * (w + 1), w + 1));
-  total_ = accumulateProbabilities(row_weights, rows_);
+    row_weights[y] = transport::accumulateProbabilities(weights.subspan(y * w, w),
+                                                        std::span(columns_).subspan(y * (w + 1), w + 1));
+  total_ = transport::accumulateProbabilities(row_weights, rows_);
 }
 
 double GridDistribution::probability(int x, int y) const {
@@ -20,10 +20,11 @@ double GridDistribution::probability(int x, int y) const {
 }
 
 GridDistribution::Cell GridDistribution::draw(double u, double v) const {
-  const DrawnInterval row = drawInterval(rows_, u);
+  const transport::DrawnInterval row = transport::drawInterval(rows_, u);
   const auto row_size = static_cast<std::size_t>(width_) + 1;
-  const DrawnInterval column = drawInterval(std::span(columns_).subspan(row.index * row_size, row_size), v);
+  const transport::DrawnInterval column =
+      transport::drawInterval(std::span(columns_).subspan(row.index * row_size, row_size), v);
   return {static_cast<int>(column.index), static_cast<int>(row.index), column.rest, row.rest};
 }
 
-}  // namespace bakelight::transport
+}  // namespace bakelight::reference
