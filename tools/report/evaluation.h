@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "tools/report/errors.h"
+#include "tools/report/flip.h"
 #include "tools/report/pareto.h"
 #include "tools/report/plan.h"
 #include "tools/report/recently_used.h"
 #include "tools/report/renderer.h"
 #include "tools/report/sources.h"
 #include "tools/report/timing.h"
-#include "tools/report/flip.h"
 
 namespace bakelight::report {
 

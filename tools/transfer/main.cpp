@@ -44,8 +44,8 @@ int main(int argc, char** argv) {
     std::optional<transfer::Cpca> cpca;
     if (settings.technique == "glossy" && settings.storage == "cpca") {
       stage::Progress progress = run.progress("cpca", settings.cpca.iterations, "rounds");
-      cpca = transfer::clusteredPca(baked.matrices, baked.matrices.size() / mesh.vertexCount(),
-                                     settings.cpca, [&] { progress.advance(); });
+      cpca = transfer::clusteredPca(baked.matrices, baked.matrices.size() / mesh.vertexCount(), settings.cpca,
+                                    [&] { progress.advance(); });
     }
     const double bake_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 

@@ -51,8 +51,8 @@ class Contents {
   std::map<std::string, std::span<const std::byte>> values_;
 };
 
-void addGlossy(const TransferSettings& settings, const Transfer& baked,
-               const std::optional<Cpca>& cpca, std::uint64_t vertices, Contents& contents) {
+void addGlossy(const TransferSettings& settings, const Transfer& baked, const std::optional<Cpca>& cpca,
+               std::uint64_t vertices, Contents& contents) {
   const auto channels = static_cast<std::uint64_t>(baked.channels);
   const std::uint64_t rows = squared(settings.options.row_order), columns = squared(settings.options.order);
   contents.metadata["row_order"] = std::to_string(settings.options.row_order);

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "tools/stage/stage.h"
-#include "tools/transfer/transfer.h"
 #include "tools/transfer/cpca.h"
+#include "tools/transfer/transfer.h"
 
 namespace bakelight::transfer {
 
