@@ -46,7 +46,11 @@ class Collector final : public FieldVisitor {
   void require(bool, const char*, const std::string&, const std::string&, const std::string&) override {}
 
  private:
-  void add(const char* name, Json value) { fields_.push_back({prefix_ + name, std::move(value)}); }
+  void add(const char* name, Json value) {
+    FieldValue& field = fields_.emplace_back();
+    field.name = prefix_ + name;
+    field.plain = std::move(value);
+  }
 
   std::string prefix_;
   std::vector<std::size_t> lengths_;

@@ -22,8 +22,10 @@ concept PackPartData = std::copyable<T> && requires(T value, FieldVisitor& field
 // Any PackPartData, by value.
 class PackPart {
  public:
-  template <PackPartData T>
-  PackPart(T value) : data_(std::make_unique<Holder<T>>(std::move(value))) {}
+  template <class T>
+  requires(!std::same_as<T, PackPart> && PackPartData<T>)  // in this order: a part is no data of a part
+      PackPart(T value)
+      : data_(std::make_unique<Holder<T>>(std::move(value))) {}
   PackPart(const PackPart& other) : data_(other.data_->clone()) {}
   PackPart(PackPart&&) noexcept = default;
   PackPart& operator=(const PackPart& other) { return *this = PackPart(other); }
