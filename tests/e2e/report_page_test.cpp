@@ -104,7 +104,8 @@ class ReportPage : public testing::Test {
         Json& variant = made.addVariant("transfer.order=" + std::to_string(order) + " pack.precision=" + text,
                                         {{"transfer.order", order}, {"pack.precision", text}}, pack, chain);
         variant["chain"][2]["pack"] = variant["pack"];
-        variant["player"] = {{"light_change_ms", 0.3 * order}, {"frame_ms", 10 + order}};
+        variant["player"] = {
+            {"light_change_ms", 0.3 * order}, {"frame_ms", 10 + order}, {"gpu_frame_ms", 8 + order}};
         variant["left_out"] = {{{"stage", "transfer"},
                                 {"what", "bounces between parts that hardly see each other"},
                                 {"figure", "survey.bounce_energy"},

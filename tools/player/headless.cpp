@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 #include <vector>
 
-#include "tools/player/gl_context.h"
+#include "tools/player/gl/gl_context.h"
+#include "tools/player/gl/gpu_timer.h"
 #include "tools/player/renderer.h"
 
 namespace bakelight::player {
@@ -15,23 +17,75 @@ namespace {
 constexpr std::size_t kFewest = 3, kMost = 9;
 constexpr double kEnough_ms = 1000;
 
-// Runs `work` until enough is known of its time: a GPU's frames vary more than a software renderer's, which
-// take so long that a few will do.
-template <class Work>
-Times_ms timesOf(const Work& work) {
-  std::vector<double> times;
-  double spent = 0;
-  while (times.size() < kFewest || (times.size() < kMost && spent < kEnough_ms)) {
-    glFinish();
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    glFinish();
-    times.push_back(
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-    spent += times.back();
-  }
+// Runs `once`, which returns what it took, until enough is known of it: a GPU's frames vary more than a
+// software renderer's, which take so long that a few will do.
+template <class Once>
+void repeat(const Once& once) {
+  double spent_ms = 0;
+  for (std::size_t runs = 0; runs < kFewest || (runs < kMost && spent_ms < kEnough_ms); ++runs)
+    spent_ms += once();
+}
+
+Times_ms spreadOf(std::vector<double> times) {
   std::ranges::sort(times);
   return {times[times.size() / 2], times[times.size() / 4], times[3 * times.size() / 4]};
+}
+
+template <class Work>
+double millisecondsOf(const Work& work) {
+  glFinish();
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  glFinish();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+using NamedTimes = std::vector<std::pair<std::string, std::vector<double>>>;
+
+void add(const GpuTimes& times, NamedTimes& passes) {
+  for (const auto& [name, pass_ms] : times.passes_ms) {
+    const auto known = std::ranges::find(passes, name, &NamedTimes::value_type::first);
+    if (known == passes.end())
+      passes.push_back({name, {pass_ms}});
+    else
+      known->second.push_back(pass_ms);
+  }
+}
+
+// In runs of their own, since passes that are told apart take longer together.
+template <class Work>
+std::vector<std::pair<std::string, double>> passTimesOf(const Work& work) {
+  NamedTimes passes;
+  GpuTimer timer;
+  for (std::size_t runs = 0; runs < kFewest; ++runs) {
+    timer.start(GpuTimer::Of::kPasses);
+    work();
+    add(timer.finish(), passes);
+  }
+  std::vector<std::pair<std::string, double>> medians;
+  for (auto& [name, times] : passes) medians.emplace_back(name, spreadOf(std::move(times)).median);
+  return medians;
+}
+
+template <class Work>
+WorkTimes timesOf(const Work& work) {
+  std::vector<double> wall, gpu;
+  GpuTimer timer;
+  repeat([&] {
+    wall.push_back(millisecondsOf([&] {
+      timer.start(GpuTimer::Of::kTotal);
+      work();
+      gpu.push_back(timer.finish().total_ms);
+    }));
+    return wall.back();
+  });
+  return {spreadOf(std::move(wall)), spreadOf(std::move(gpu)), passTimesOf(work)};
+}
+
+Times_ms readBackTimes(const ResolvedPicture& resolved, formats::Image& image) {
+  std::vector<double> times;
+  repeat([&] { return times.emplace_back(millisecondsOf([&] { image = resolved.read(); })); });
+  return spreadOf(std::move(times));
 }
 
 }  // namespace
@@ -43,14 +97,16 @@ HeadlessPicture renderHeadless(const formats::Pack& pack, const transport::Light
   HeadlessPicture picture;
   picture.gl_renderer = glRendererName();
   picture.exposure = renderer.exposure(settings);
-  picture.light_change_ms = timesOf([&] { renderer.updateLight(settings); });
-  if (renderer.hasEmitters()) picture.cube_ms = timesOf([&] { renderer.updateNearLight(settings); });
+  picture.light_change = timesOf([&] { renderer.updateLight(settings); });
+  if (renderer.hasEmitters()) picture.cube = timesOf([&] { renderer.updateNearLight(settings); });
   picture.gpu_bytes = renderer.gpuBytes();
-  picture.frame_ms = timesOf([&] {
+  renderer.draw(settings);
+  const ResolvedPicture resolved(encoding, settings.width_px, settings.height_px);
+  picture.frame = timesOf([&] {
     renderer.draw(settings);
-    picture.image = encoding == PictureEncoding::kDisplay ? renderer.target().displayImage(picture.exposure)
-                                                          : renderer.target().linearImage();
+    renderer.target().resolve(resolved, picture.exposure);
   });
+  picture.read_back = readBackTimes(resolved, picture.image);
   return picture;
 }
 

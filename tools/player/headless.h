@@ -4,32 +4,36 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "formats/image.h"
 #include "formats/pack.h"
+#include "tools/player/gl/picture_target.h"
 #include "transport/frame.h"
 #include "transport/lighting.h"
 
 namespace bakelight::player {
-
-enum class PictureEncoding {
-  kDisplay,  // exposed and sRGB-encoded, values k/255, colour not premultiplied: for PNG
-  kLinear,   // linear radiance without exposure, colour premultiplied by coverage: for OpenEXR
-};
 
 // Of several runs: the median and the quartiles.
 struct Times_ms {
   double median = 0, low = 0, high = 0;
 };
 
+// By the CPU's clock until GL has finished, and by the GPU's own.
+struct WorkTimes {
+  Times_ms wall, gpu;
+  std::vector<std::pair<std::string, double>> gpu_passes_ms;  // medians of runs of their own; see GpuTimer
+};
+
 struct HeadlessPicture {
-  formats::Image image;  // R, G, B, A
-  float exposure = 1;    // the factor that display encoding applies
-  // Until GL has finished.
-  Times_ms light_change_ms;         // turning the distant light and evaluating it at all vertices
-  std::optional<Times_ms> cube_ms;  // placing the emitters, drawing their cube map, projecting it; if any
-  Times_ms frame_ms;  // reflecting towards the eye, drawing, resolving and reading back, lights unchanged
-  std::size_t gpu_bytes = 0;  // of buffers and textures, without the picture
+  formats::Image image;           // R, G, B, A
+  float exposure = 1;             // the factor that display encoding applies
+  WorkTimes light_change;         // turning the distant light and evaluating it
+  std::optional<WorkTimes> cube;  // placing the emitters, drawing their cube map, projecting it; if any
+  WorkTimes frame;                // reflecting towards the eye, drawing and resolving, lights unchanged
+  Times_ms read_back;             // of the picture, by the CPU's clock
+  std::size_t gpu_bytes = 0;      // of buffers and textures, without the picture
   std::string gl_renderer;
 };
 

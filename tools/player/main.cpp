@@ -9,6 +9,7 @@
 #include "tools/player/headless.h"
 #include "tools/player/options.h"
 #include "tools/player/picture_file.h"
+#include "tools/player/renderer.h"
 #include "tools/player/window.h"
 #include "tools/stage/frame_options.h"
 #include "tools/stage/stage.h"
@@ -32,7 +33,7 @@ int main(int argc, char** argv) {
         formats::readLights(options.environment_path, options.lights_path, options.windowing);
     for (const std::string& note : formats::notesOn(rig)) run.warn(note);
     transport::Lighting lighting =
-        transport::lightingFor(std::move(rig), pack.sh().order, options.lights_path.string());
+        transport::lightingFor(std::move(rig), player::lightOrder(pack), options.lights_path.string());
     const std::string ringing =
         transport::ringingWarning(transport::minimumOverMean(lighting.distant), lighting.window);
     if (!ringing.empty()) run.warn(ringing);

@@ -1,5 +1,6 @@
 #include "tools/player/options.h"
 
+#include "tools/player/techniques/technique.h"
 #include "tools/stage/frame_options.h"
 
 namespace bakelight::player {
@@ -25,18 +26,32 @@ void declareOptions(stage::Tool& tool, Options& options) {
                  "stops brighter than that, or than factor 1");
 }
 
-void reportStats(stage::Run& run, const formats::Pack& pack, const transport::Lighting& lighting,
-                 const HeadlessPicture& picture) {
-  const formats::ShTransfer& transfer = pack.sh();
-  run.stat("vertices", pack.mesh.vertexCount());
-  run.stat("triangles", pack.mesh.triangleCount());
+namespace {
+
+void reportTimes(stage::Run& run, const std::string& name, const Times_ms& times) {
+  run.stat(name, times.median);
+  run.stat(name + "_low", times.low);
+  run.stat(name + "_high", times.high);
+}
+
+void reportTransfer(stage::Run& run, const formats::ShTransfer& transfer) {
   run.stat("order", transfer.order);
   run.stat("precision", formats::nameOf(transfer.vectors.precision));
   run.stat("storage", transfer.glossy ? transfer.glossy->operatorName() : "none");
-  if (transfer.glossy) {
-    run.stat("row_order", transfer.glossy->output_order);
-    run.stat("matrix_precision", formats::nameOf(transfer.glossy->vertexTable().precision));
-  }
+  if (!transfer.glossy) return;
+  run.stat("row_order", transfer.glossy->output_order);
+  run.stat("matrix_precision", formats::nameOf(transfer.glossy->vertexTable().precision));
+}
+
+}  // namespace
+
+void reportStats(stage::Run& run, const formats::Pack& pack, const transport::Lighting& lighting,
+                 const HeadlessPicture& picture) {
+  run.stat("vertices", pack.mesh.vertexCount());
+  run.stat("triangles", pack.mesh.triangleCount());
+  run.stat("technique", techniqueFor(pack).name);
+  run.stat("transfer", pack.transfer.kind());
+  if (const auto* transfer = pack.transfer.as<formats::ShTransfer>()) reportTransfer(run, *transfer);
   formats::Json reflections = formats::Json::array();
   for (const formats::Appearance& appearance : pack.appearances)
     reflections.push_back(appearance.reflection.kind());
@@ -45,14 +60,21 @@ void reportStats(stage::Run& run, const formats::Pack& pack, const transport::Li
   run.stat("window", lighting.window);
   run.stat("moved_energy", lighting.moved_energy);
   run.stat("gpu_bytes", picture.gpu_bytes);
-  const auto times = [&](const std::string& name, const Times_ms& of) {
-    run.stat(name, of.median);
-    run.stat(name + "_low", of.low);
-    run.stat(name + "_high", of.high);
-  };
-  times("light_change_ms", picture.light_change_ms);
-  if (picture.cube_ms) times("cube_ms", *picture.cube_ms);
-  times("frame_ms", picture.frame_ms);
+  reportTimes(run, "light_change_ms", picture.light_change.wall);
+  reportTimes(run, "gpu_light_change_ms", picture.light_change.gpu);
+  if (picture.cube) {
+    reportTimes(run, "cube_ms", picture.cube->wall);
+    reportTimes(run, "gpu_cube_ms", picture.cube->gpu);
+  }
+  reportTimes(run, "frame_ms", picture.frame.wall);
+  reportTimes(run, "gpu_frame_ms", picture.frame.gpu);
+  reportTimes(run, "read_back_ms", picture.read_back);
+  formats::Json passes = formats::Json::object();
+  for (const WorkTimes* times :
+       {&picture.light_change, picture.cube ? &*picture.cube : nullptr, &picture.frame})
+    if (times != nullptr)
+      for (const auto& [name, pass_ms] : times->gpu_passes_ms) passes[name] = pass_ms;
+  run.stat("gpu_pass_ms", std::move(passes));
 }
 
 }  // namespace bakelight::player

@@ -1,16 +1,19 @@
-// Draws a pack under its lights: surface, emitters and backdrop into a picture target. Needs a current OpenGL
-// 4.5 core context, which must outlive it; the same for windows and headless pictures.
+// Draws a pack under its lights: surface, emitters and backdrop into a picture target. How the surface gets
+// its radiance is the technique's matter. Needs a current OpenGL 4.5 core context, which must outlive it; the
+// same for windows and headless pictures.
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 
 #include "formats/image.h"
 #include "formats/pack.h"
-#include "tools/player/exit_radiance.h"
-#include "tools/player/gl_objects.h"
-#include "tools/player/near_field_lights.h"
-#include "tools/player/picture_target.h"
+#include "tools/player/gl/picture_target.h"
+#include "tools/player/gl/surface_mesh.h"
+#include "tools/player/lights/backdrop.h"
+#include "tools/player/lights/near_field_lights.h"
+#include "tools/player/techniques/technique.h"
 #include "transport/frame.h"
 #include "transport/lighting.h"
 
@@ -18,9 +21,10 @@ namespace bakelight::player {
 
 class Renderer {
  public:
-  // Uploads mesh, transfer tables, emitters and backdrop; the pack may be freed afterwards. Throws
-  // Error(kBadInput) if the backdrop or the cube map is larger than this GL's textures or buffers,
-  // Error(kNotAvailable) if GL is out of memory or lacks a feature.
+  // Uploads mesh, technique, emitters and backdrop; the pack may be freed afterwards. `lighting` has at least
+  // the order that lightOrder tells. Throws Error(kBadInput) if no technique plays the pack, or the backdrop
+  // or the cube map is larger than this GL's textures or buffers, Error(kNotAvailable) if GL is out of memory
+  // or lacks a feature.
   Renderer(const formats::Pack& pack, transport::Lighting lighting);
 
   // Brings everything to `settings` and draws the subsamples into target(). Lights and target storage are
@@ -48,27 +52,26 @@ class Renderer {
     double time_s = 0;
   };
 
-  void uploadMesh(const formats::Pack& pack);
-  void uploadBackdrop(const formats::Image& image);
+  Renderer(const formats::Pack& pack, transport::Lighting lighting, const PlayedTechnique& technique);
+  void light();
   void updateStaleLights(const formats::FrameSettings& settings);
   void drawBodies(const transport::OrbitCamera& camera, const Eigen::Matrix3d& world_from_object) const;
-  void drawBackdrop(const transport::OrbitCamera& camera, const Eigen::Matrix3d& world_from_light) const;
 
   transport::BoundingSphere bounds_;
   int order_;
   transport::ShLight distant_;         // in its own frame
   transport::ShLight exposure_light_;  // see transport::exposureFactor
+  GpuLight distant_light_;
   std::optional<NearFieldLights> near_lights_;
-  ExitRadiance exit_radiance_;
+  SurfaceMesh mesh_;
+  std::unique_ptr<Technique> technique_;
   LightState evaluated_;
-
+  Backdrop backdrop_;
   PictureTarget target_;
-  Program surface_program_, backdrop_program_;
-  VertexArray surface_, no_attributes_;
-  Buffer positions_, indices_;
-  GLsizei index_count_ = 0;
-  Texture backdrop_;
-  std::size_t backdrop_bytes_ = 0;
 };
+
+// Bands of the distant light that the renderer of this pack needs. Throws as its constructor does for a pack
+// that no technique plays.
+int lightOrder(const formats::Pack& pack);
 
 }  // namespace bakelight::player

@@ -12,7 +12,7 @@
 #include "formats/error.h"
 #include "formats/image.h"
 #include "tools/player/controls.h"
-#include "tools/player/gl_context.h"
+#include "tools/player/gl/gl_context.h"
 #include "tools/player/renderer.h"
 
 namespace bakelight::player {
@@ -34,7 +34,7 @@ class GlfwWindow {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, GLFW_TRUE);
+    glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, wantsGlMessages() ? GLFW_TRUE : GLFW_FALSE);
     window_ = glfwCreateWindow(width_px, height_px, title.c_str(), nullptr, nullptr);
     if (window_ == nullptr) {
       const Error error = noWindow("no window with OpenGL");

@@ -80,12 +80,17 @@ std::vector<Column> variantColumns(const Plan& plan, const Evaluation& evaluatio
   };
   time("light change", &VariantFigures::light_change_ms);
   time("view change", &VariantFigures::view_change_ms);
-  const auto gl = [&](const char* name, Spread GlTimes::*member) {
-    const auto times = [&plan, member](std::size_t v) {
+  // A column where any variant has such a time.
+  using GlTime = std::optional<Spread> (*)(const GlTimes&);
+  const auto gl = [&](const char* name, const char* unit, GlTime time_of) {
+    const auto times = [&plan, time_of](std::size_t v) {
       const std::optional<GlTimes>& measured = plan.variants[v].gl;
-      return measured ? std::optional<Spread>((*measured).*member) : std::nullopt;
+      return measured ? time_of(*measured) : std::nullopt;
     };
-    columns.push_back({{name, "OpenGL, ms"},
+    bool any = false;
+    for (std::size_t v = 0; v < plan.variants.size(); ++v) any = any || times(v);
+    if (!any) return;
+    columns.push_back({{name, unit},
                        [times](std::size_t v) {
                          const std::optional<Spread> spread = times(v);
                          return spread ? std::optional<double>(spread->median) : std::nullopt;
@@ -93,11 +98,10 @@ std::vector<Column> variantColumns(const Plan& plan, const Evaluation& evaluatio
                        plainText,
                        [times](std::size_t v) { return range(times(v)->low, times(v)->high); }});
   };
-  if (std::any_of(plan.variants.begin(), plan.variants.end(),
-                  [](const auto& v) { return v.gl.has_value(); })) {
-    gl("light change", &GlTimes::light_change_ms);
-    gl("frame", &GlTimes::frame_ms);
-  }
+  gl("light change", "OpenGL, ms", [](const GlTimes& t) { return std::optional(t.light_change_ms); });
+  gl("light change", "GPU, ms", [](const GlTimes& t) { return t.gpu_light_change_ms; });
+  gl("frame", "OpenGL, ms", [](const GlTimes& t) { return std::optional(t.frame_ms); });
+  gl("frame", "GPU, ms", [](const GlTimes& t) { return t.gpu_frame_ms; });
   columns.push_back(
       {{"pack", "size"}, [&](std::size_t v) { return static_cast<double>(figures[v].bytes); }, sizeText});
   columns.push_back({{"bake", "s"}, [&](std::size_t v) { return figures[v].bake_s; }, plainText});
@@ -325,7 +329,8 @@ degree; mean over pixels where either picture shows something.</dd>
 <dt>coverage error</dt><dd>mean |Δ alpha| ÷ mean alpha of the reference: what the silhouette costs. Mean over views.</dd>
 <dt>frame, CPU</dt><dd>Light change + view change, all vertices, on all threads; medians over rounds that go through all variants in turn. Light change: turning the light, diffuse
 vectors, transferred radiance. View change: rows of the eye times transferred radiance.</dd>
-<dt>OpenGL</dt><dd>What the player measured: its passes at a light change, and a frame with everything drawn.</dd>
+<dt>OpenGL</dt><dd>What the player measured: its passes at a light change, and a frame with everything drawn but not read back, until OpenGL had finished.</dd>
+<dt>GPU</dt><dd>The same by the GPU’s own clock.</dd>
 <dt>bake</dt><dd>Wall and CPU seconds of all stages that the pack needs, each when it last ran.</dd>
 <dt>Pareto front</dt><dd>Variants that no other one beats or equals in both error and cost while being better in one.</dd>
 </dl>

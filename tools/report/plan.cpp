@@ -74,18 +74,25 @@ ChainLink linkOf(const JsonElement& element, std::size_t view_count) {
 }
 
 // NAME, NAME_low and NAME_high; without the quartiles the median stands for them.
-Spread glSpreadOf(const JsonElement& player, const std::string& name) {
+std::optional<Spread> glSpreadIn(const JsonElement& player, const std::string& name) {
   const std::optional<JsonElement> median = player.find(name), low = player.find(name + "_low"),
                                    high = player.find(name + "_high");
-  if (!median) throw player.error("it has no " + name, "the player's stats, or null");
+  if (!median) return std::nullopt;
   const double value = median->atLeastZero();
-  return {value, low ? low->atLeastZero() : value, high ? high->atLeastZero() : value};
+  return Spread{value, low ? low->atLeastZero() : value, high ? high->atLeastZero() : value};
+}
+
+Spread glSpreadOf(const JsonElement& player, const std::string& name) {
+  const std::optional<Spread> spread = glSpreadIn(player, name);
+  if (!spread) throw player.error("it has no " + name, "the player's stats, or null");
+  return *spread;
 }
 
 // The player's stats have more than this.
 GlTimes glTimesOf(const JsonElement& player) {
   if (!player.value().is_object()) throw player.error("it is not an object", "the player's stats, or null");
-  return {glSpreadOf(player, "light_change_ms"), glSpreadOf(player, "frame_ms")};
+  return {glSpreadOf(player, "light_change_ms"), glSpreadOf(player, "frame_ms"),
+          glSpreadIn(player, "gpu_light_change_ms"), glSpreadIn(player, "gpu_frame_ms")};
 }
 
 PlanVariant variantOf(const JsonElement& element, std::size_t view_count) {

@@ -50,9 +50,11 @@ struct ChainLink {
   PlanFile pack;
 };
 
-// As the player measured them.
+// As the player measured them: by the CPU's clock until OpenGL had finished, and by the GPU's own where the
+// player told it.
 struct GlTimes {
   Spread light_change_ms, frame_ms;
+  std::optional<Spread> gpu_light_change_ms, gpu_frame_ms;
 };
 
 struct PlanVariant {

@@ -37,8 +37,11 @@ Json jsonOf(const LeftOut& left_out, const VariantFigures& figures) {
 
 Json glOf(const PlanVariant& variant) {
   if (!variant.gl) return nullptr;
-  return {{"light_change_ms", jsonOf(variant.gl->light_change_ms)},
-          {"frame_ms", jsonOf(variant.gl->frame_ms)}};
+  Json json = {{"light_change_ms", jsonOf(variant.gl->light_change_ms)},
+               {"frame_ms", jsonOf(variant.gl->frame_ms)}};
+  if (const auto& gpu = variant.gl->gpu_light_change_ms) json["gpu_light_change_ms"] = jsonOf(*gpu);
+  if (const auto& gpu = variant.gl->gpu_frame_ms) json["gpu_frame_ms"] = jsonOf(*gpu);
+  return json;
 }
 
 Json variantOf(const Plan& plan, const PlanVariant& variant, const VariantFigures& figures) {

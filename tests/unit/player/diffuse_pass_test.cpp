@@ -1,12 +1,12 @@
-#include "tools/player/diffuse_pass.h"
+#include "tools/player/operators/diffuse_pass.h"
 
 #include <cmath>
 #include <limits>
 #include <random>
 
 #include "formats/error.h"
-#include "tools/player/gl_context.h"
-#include "tools/player/gpu_light.h"
+#include "tools/player/gl/gl_context.h"
+#include "tools/player/lights/gpu_light.h"
 #include "transport/evaluator.h"
 
 namespace bakelight::player {
@@ -37,12 +37,12 @@ Case randomCase(int order, std::size_t vertex_count,
 struct Evaluated {
   GpuTable table;
   DiffusePass pass;
-  Buffer light = makeLightBuffer();
+  GpuLight light = darkLight();
 
   explicit Evaluated(const Case& made, std::size_t largest_block_bytes = 0)
       : table(made.table), pass(table, made.order, 1, {}, false, largest_block_bytes) {
     setLight(light, made.light);
-    pass.evaluate(light);
+    pass.evaluate(light.sh);
   }
 };
 
@@ -106,9 +106,9 @@ TEST_F(DiffusePassTest, SecondLightReplacesTheFirst) {
   const Case made = randomCase(4, 100);
   Evaluated evaluated(made);
   setLight(evaluated.light, transport::uniformLight(4, {5, 5, 5}));
-  evaluated.pass.evaluate(evaluated.light);
+  evaluated.pass.evaluate(evaluated.light.sh);
   setLight(evaluated.light, made.light);
-  evaluated.pass.evaluate(evaluated.light);
+  evaluated.pass.evaluate(evaluated.light.sh);
   EXPECT_LT(largestRelativeError(made, readBack(evaluated.pass.buffer(), 100)), 1e-5);
 }
 
@@ -124,12 +124,12 @@ TEST_F(DiffusePassTest, ChannelsColoursAndAdditionMultiplyOut) {
   }
   const GpuTable table(formats::encodeTable(transfer, 3, formats::Precision::kFloat32, "made", "table"));
   const Buffer color_buffer = makeBuffer(kVertices * sizeof(Float3), colors.data());
-  const Buffer light = makeLightBuffer();
+  GpuLight light = darkLight();
   setLight(light, std::vector<Float3>{{1, 10, 100}});
   const Albedo albedo{{0.5f, 1, 0.25f}, &color_buffer};
   DiffusePass first(table, 1, 3, albedo, false), second(table, 1, 3, albedo, true);
-  first.evaluate(light);
-  second.evaluate(light, &first.buffer());
+  first.evaluate(light.sh);
+  second.evaluate(light.sh, &first.buffer());
   const auto once = readBack(first.buffer(), kVertices), twice = readBack(second.buffer(), kVertices);
   for (std::size_t v = 0; v < kVertices; ++v) {
     const auto x = static_cast<float>(v);
@@ -144,12 +144,12 @@ TEST_F(DiffusePassTest, ChannelsColoursAndAdditionMultiplyOut) {
 TEST_F(DiffusePassTest, NoVertexIsNoWork) {
   const GpuTable table;
   DiffusePass pass(table, 3, 1, {}, false);
-  pass.evaluate(makeLightBuffer());
+  pass.evaluate(darkLight().sh);
   EXPECT_EQ(pass.dispatchCount(), 0u);
 }
 
 TEST_F(DiffusePassTest, LightThatIsNotFiniteIsAnErrorThatNamesTheCoefficient) {
-  const Buffer buffer = makeLightBuffer();
+  GpuLight buffer = darkLight();
   for (const float value :
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     auto light = transport::uniformLight(2, {1, 1, 1});

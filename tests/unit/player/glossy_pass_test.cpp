@@ -1,10 +1,11 @@
-#include "tools/player/glossy_pass.h"
+#include "tools/player/techniques/glossy_pass.h"
 
 #include <cmath>
 #include <random>
 
 #include "tests/e2e/made_packs.h"
-#include "tools/player/gl_context.h"
+#include "tools/player/gl/gl_context.h"
+#include "tools/player/operators/visibility_operator.h"
 #include "transport/glossy.h"
 
 namespace bakelight::player {
@@ -76,8 +77,8 @@ double largestError(const formats::MadeReflection& material, int row_order, cons
       static_cast<std::size_t>(transport::coefficientCount(pack.sh().glossy->output_order));
   const auto transferred = randomValues(n * count * 3, 9);
   const std::vector<float> diffuse(3 * n, kDiffuse);
-  const Vec3 origin(0.5, -0.25, 0.125);
-  const GlossyPass pass(pack, origin, object_frame);
+  const SurfaceMesh mesh(pack.mesh, Vec3(0.5, -0.25, 0.125));
+  const GlossyPass pass(pack, mesh, object_frame);
   pass.evaluate(eye, makeBuffer(transferred.size() * sizeof(float), transferred.data()),
                 makeBuffer(diffuse.size() * sizeof(float), diffuse.data()));
   std::vector<Float3> actual(n);
@@ -147,7 +148,7 @@ TEST_F(GlossyPassTest, WithoutFramesThereIsNoPass) {
   material.model = Lobe::kPhong;
   formats::Pack pack = packWith(3, material);
   pack.sh().glossy->tangents.pop_back();
-  EXPECT_THROW(GlossyPass(pack, Vec3::Zero(), false), std::invalid_argument);
+  EXPECT_THROW(GlossyPass(pack, SurfaceMesh(pack.mesh, Vec3::Zero()), false), std::invalid_argument);
 }
 
 }  // namespace

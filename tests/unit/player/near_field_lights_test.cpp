@@ -1,11 +1,11 @@
-#include "tools/player/near_field_lights.h"
+#include "tools/player/lights/near_field_lights.h"
 
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "formats/error.h"
-#include "tools/player/gl_context.h"
+#include "tools/player/gl/gl_context.h"
 
 namespace bakelight::player {
 namespace {

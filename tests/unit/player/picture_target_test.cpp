@@ -1,10 +1,10 @@
-#include "tools/player/picture_target.h"
+#include "tools/player/gl/picture_target.h"
 
 #include <cmath>
 #include <limits>
 
 #include "formats/error.h"
-#include "tools/player/gl_context.h"
+#include "tools/player/gl/gl_context.h"
 #include "transport/color.h"
 #include "transport/cpu_renderer.h"
 

@@ -55,6 +55,16 @@ TEST_F(PlayerTool, WritesAPictureAndItsFigures) {
   EXPECT_GT(stats["exposure"].get<double>(), 0);
   EXPECT_GT(stats["frame_ms"].get<double>(), 0);
   EXPECT_GT(stats["light_change_ms"].get<double>(), 0);
+  EXPECT_GT(stats["read_back_ms"].get<double>(), 0);
+  EXPECT_GT(stats["gpu_frame_ms"].get<double>(), 0);
+  EXPECT_GE(stats["gpu_light_change_ms"].get<double>(), 0);
+  EXPECT_EQ(stats["technique"], "vertices");
+  std::vector<std::string> passes;
+  for (const auto& [name, pass_ms] : stats["gpu_pass_ms"].items()) {
+    passes.push_back(name);
+    EXPECT_GE(pass_ms.get<double>(), 0) << name;
+  }
+  EXPECT_THAT(passes, testing::UnorderedElementsAre("diffuse", "surface", "backdrop", "resolve"));
 }
 
 // A player is small: no importer, no ray tracer, and no reader of pictures of every kind.
@@ -153,7 +163,11 @@ TEST_F(PlayerTool, EmittersMoveWithTime) {
                                    "motion": {"kind": "orbit", "axis": [0, 1, 0], "period_s": 4}}]})");
   const std::string frame = "--pack sphere.glb --lights near.json --width 64 --height 64 ";
   ASSERT_EQ(play(frame + "--image start.png --stats stats.json").status, 0);
-  EXPECT_GT(formats::readJson(folder_ / "stats.json")["stats"]["cube_ms"].get<double>(), 0);
+  const formats::Json stats = formats::readJson(folder_ / "stats.json")["stats"];
+  EXPECT_GT(stats["cube_ms"].get<double>(), 0);
+  EXPECT_GT(stats["gpu_cube_ms"].get<double>(), 0);
+  for (const char* pass : {"cube map", "cube map projection", "emitters"})
+    EXPECT_TRUE(stats["gpu_pass_ms"].contains(pass)) << pass;
   ASSERT_EQ(play(frame + "--time-s 1 --image later.png").status, 0);
   ASSERT_EQ(play(frame + "--time-s 4 --image period.png").status, 0);
   EXPECT_NE(formats::readFile(folder_ / "start.png"), formats::readFile(folder_ / "later.png"));

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "tests/e2e/made_packs.h"
-#include "tools/player/gl_context.h"
+#include "tools/player/gl/gl_context.h"
 
 namespace bakelight::player {
 namespace {

@@ -131,7 +131,7 @@ TEST(Evaluation, LeftOutHasItsMeasuredError) {
 TEST(Evaluation, SaysTheSameTwice) {
   MadeReport made(truth());
   made.addVariant("b", {{"transfer.order", 3}}, madeGlossyPack(3))["player"] = {
-      {"light_change_ms", 3}, {"frame_ms", 7.5}, {"gpu_bytes", 1}};
+      {"light_change_ms", 3}, {"frame_ms", 7.5}, {"gpu_frame_ms", 5}, {"gpu_bytes", 1}};
   made.addVariant("a", {{"transfer.order", 2}}, madeGlossyPack(2));
   made.json["failed"].push_back({{"name", "c"}, {"stage", "transfer"}, {"reason", "no"}});
   const Plan plan = made.plan();
@@ -154,6 +154,8 @@ TEST(Evaluation, SaysTheSameTwice) {
   EXPECT_EQ(first, second);
   EXPECT_EQ(first["variants"][0]["gl"]["light_change_ms"]["median"], 3);
   EXPECT_EQ(first["variants"][0]["gl"]["frame_ms"]["high"], 7.5);
+  EXPECT_EQ(first["variants"][0]["gl"]["gpu_frame_ms"]["low"], 5);
+  EXPECT_FALSE(first["variants"][0]["gl"].contains("gpu_light_change_ms"));
   EXPECT_TRUE(first["variants"][1]["gl"].is_null());
   EXPECT_EQ(first["variants"][0]["bake_s"], 1.5 + 9);
   EXPECT_EQ(first["variants"][0]["bake_cpu_s"], 2.5 + 18);

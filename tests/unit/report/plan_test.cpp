@@ -22,7 +22,8 @@ Json goodPlan() {
                   "pack": {"path": "/a.glb", "hash": "a"},
                   "stages": [{"stage": "transfer", "wall_s": 1.5, "cpu_s": 3, "peak_memory_bytes": 12, "bytes": 7, "warnings": ["w"]}],
                   "left_out": [{"stage": "transfer", "what": "bounces", "figure": "survey.x", "value": 0.1, "threshold": 0.2, "error": null}],
-                  "player": {"light_change_ms": 2, "frame_ms": 5, "frame_ms_low": 4, "frame_ms_high": 7, "gpu_bytes": 9},
+                  "player": {"light_change_ms": 2, "frame_ms": 5, "frame_ms_low": 4, "frame_ms_high": 7, "gpu_bytes": 9,
+                             "gpu_frame_ms": 3, "gpu_frame_ms_high": 6},
                   "chain": [{"cause": "simplification", "references": [{"path": "/s.exr", "hash": "s"}]},
                             {"cause": "storage", "pack": {"path": "/a.glb", "hash": "a"}}]}],
     "failed": [{"name": "b", "stage": "transfer", "reason": "no memory"}]})",
@@ -47,6 +48,9 @@ TEST(Plan, IsReadWithAllItsParts) {
   EXPECT_EQ(variant.gl->frame_ms.median, 5);
   EXPECT_EQ(variant.gl->frame_ms.high, 7);
   EXPECT_EQ(variant.gl->light_change_ms.low, 2) << "the median, where there are no quartiles";
+  EXPECT_EQ(variant.gl->gpu_frame_ms->median, 3);
+  EXPECT_EQ(variant.gl->gpu_frame_ms->high, 6);
+  EXPECT_FALSE(variant.gl->gpu_light_change_ms) << "an older player tells none";
   EXPECT_EQ(variant.chain[0].references[0].hash, "s");
   EXPECT_EQ(variant.chain[1].pack.path, "/a.glb");
   EXPECT_EQ(plan.failed[0].reason, "no memory");

@@ -1,0 +1,18 @@
+# cmake -DOUTPUT=x.cpp -DSHADERS=a.vert;b.frag -P embed_shaders.cmake
+# Writes the definitions that shader_sources.h declares: surface.vert becomes kSurfaceVert.
+set(text "#include \"tools/player/gl/shader_sources.h\"\n\nnamespace bakelight::player {\n\n")
+foreach(shader IN LISTS SHADERS)
+  get_filename_component(file_name ${shader} NAME)
+  string(REGEX MATCHALL "[a-z]+" words ${file_name})
+  set(symbol "k")
+  foreach(word IN LISTS words)
+    string(SUBSTRING ${word} 0 1 first)
+    string(SUBSTRING ${word} 1 -1 rest)
+    string(TOUPPER ${first} first)
+    string(APPEND symbol "${first}${rest}")
+  endforeach()
+  file(READ ${shader} source)
+  string(APPEND text "const ShaderSource ${symbol} = {\"${file_name}\", R\"glsl(${source})glsl\"};\n\n")
+endforeach()
+string(APPEND text "}  // namespace bakelight::player\n")
+file(WRITE ${OUTPUT} "${text}")

@@ -1,0 +1,28 @@
+// The files in the shaders/ of each room, embedded at build time (embed_shaders.cmake), so that the player
+// needs no path at run time.
+#pragma once
+
+namespace bakelight::player {
+
+struct ShaderSource {
+  const char* file_name;
+  const char* text;
+};
+
+extern const ShaderSource kTableGlsl;
+extern const ShaderSource kDiffuseComp;
+extern const ShaderSource kMatrixComp;
+extern const ShaderSource kOperatorComp;
+extern const ShaderSource kVisibilityComp;
+extern const ShaderSource kClusterComp;
+extern const ShaderSource kSumLightsComp;
+extern const ShaderSource kGlossyComp;
+extern const ShaderSource kProjectRowsComp;
+extern const ShaderSource kProjectSumComp;
+extern const ShaderSource kSurfaceVert;
+extern const ShaderSource kSurfaceFrag;
+extern const ShaderSource kFullscreenVert;
+extern const ShaderSource kBackdropFrag;
+extern const ShaderSource kResolveFrag;
+
+}  // namespace bakelight::player
