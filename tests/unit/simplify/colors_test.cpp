@@ -242,6 +242,27 @@ TEST(Colors, DoNotBleedOverBordersOfMaterials) {
       EXPECT_EQ(albedo[v], simple.triangle_materials[t] == 0 ? (Float3{1, 0, 0}) : (Float3{0, 1, 0}));
 }
 
+// A coat of paint just above the wood: the wood's triangles, moved up into the coat, still have the wood's colour.
+TEST(Colors, ComeFromTheSameMaterialThoughAnotherIsNearer) {
+  MeshImport import;
+  for (const float z : {0.0f, 0.01f}) {
+    const auto first = static_cast<std::uint32_t>(import.mesh.vertexCount());
+    for (const auto& [x, y] : {std::pair{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}}) {
+      import.mesh.positions.push_back({x, y, z});
+      import.mesh.colors.push_back(z == 0 ? Float3{1, 0, 0} : Float3{0, 1, 0});
+    }
+    import.mesh.triangles.push_back({first, first + 1, first + 2});
+    import.mesh.triangles.push_back({first, first + 2, first + 3});
+  }
+  import.mesh.triangle_materials = {0, 0, 1, 1};
+  import.mesh.material_names = {"wood", "paint"};
+  TriangleMesh moved = import.mesh;
+  for (std::size_t v = 0; v < 4; ++v) moved.positions[v][2] = 0.009f;
+  const auto albedo = carryAlbedo(import, moved, "x.obj").colors;
+  ASSERT_EQ(albedo.size(), 8u);
+  for (std::size_t v = 0; v < 8; ++v) EXPECT_EQ(albedo[v], (v < 4 ? Float3{1, 0, 0} : Float3{0, 1, 0})) << v;
+}
+
 // Each has its picture, looked up elsewhere than the mesh's own texture coordinates say; the unused one's,
 // which does not exist, is not asked for.
 TEST(Colors, EachMaterialHasItsTexture) {
