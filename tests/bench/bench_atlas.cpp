@@ -27,8 +27,8 @@
 #include "formats/mesh_ply.h"
 #include "tests/support/rippled_ball.h"
 #include "tests/support/temporary_folder.h"
-#include "tools/atlas/geometry_maps.h"
 #include "tools/atlas/make_atlas.h"
+#include "tools/atlas/maps/geometry_maps.h"
 #include "tools/simplify/simplify.h"
 #include "transport/vector_types.h"
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "tools/atlas/atlas.h"
-#include "tools/atlas/texture_edges.h"
+#include "tools/atlas/maps/texture_edges.h"
 
 namespace bakelight::atlas {
 namespace {

@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "formats/error.h"
-#include "tools/atlas/border_crossings.h"
-#include "tools/atlas/label_grid.h"
-#include "tools/atlas/raster.h"
-#include "tools/atlas/stretch.h"
-#include "tools/atlas/surface.h"
-#include "tools/atlas/texture_edges.h"
+#include "tools/atlas/charts/stretch.h"
+#include "tools/atlas/charts/surface.h"
+#include "tools/atlas/flatten/border_crossings.h"
+#include "tools/atlas/maps/label_grid.h"
+#include "tools/atlas/maps/raster.h"
+#include "tools/atlas/maps/texture_edges.h"
 
 namespace bakelight::atlas {
 namespace {

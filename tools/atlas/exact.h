@@ -2,7 +2,7 @@
 // room includes.
 #pragma once
 
-#include "tools/atlas/surface.h"
+#include "tools/atlas/charts/surface.h"
 
 namespace bakelight::atlas {
 

@@ -3,8 +3,8 @@
 
 #include "formats/materials.h"
 #include "formats/mesh_ply.h"
-#include "tools/atlas/geometry_maps.h"
 #include "tools/atlas/make_atlas.h"
+#include "tools/atlas/maps/geometry_maps.h"
 #include "tools/atlas/mesh_file.h"
 #include "tools/atlas/options.h"
 #include "tools/atlas/report.h"

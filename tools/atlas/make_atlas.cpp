@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "formats/error.h"
-#include "tools/atlas/float_rounding.h"
-#include "tools/atlas/injectivity.h"
-#include "tools/atlas/packing.h"
-#include "tools/atlas/untangling.h"
+#include "tools/atlas/flatten/float_rounding.h"
+#include "tools/atlas/flatten/injectivity.h"
+#include "tools/atlas/flatten/untangling.h"
+#include "tools/atlas/packing/packing.h"
 #include "tools/stage/stopwatch.h"
 
 namespace bakelight::atlas {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "tools/atlas/atlas.h"
-#include "tools/atlas/charting.h"
+#include "tools/atlas/charts/charting.h"
+#include "tools/atlas/charts/cuts.h"
 #include "tools/atlas/check.h"
-#include "tools/atlas/cuts.h"
 
 namespace bakelight::atlas {
 

@@ -1,4 +1,4 @@
-#include "tools/atlas/chart.h"
+#include "tools/atlas/charts/chart.h"
 
 #include <numeric>
 

@@ -1,5 +1,5 @@
 // Charts of larger surfaces: by way of a proxy, within a bounded effort.
-#include "tools/atlas/charting.h"
+#include "tools/atlas/charts/charting.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 
 #include "tests/support/rippled_ball.h"
 #include "tests/unit/atlas/bodies.h"
-#include "tools/atlas/injectivity.h"
+#include "tools/atlas/charts/proxy.h"
+#include "tools/atlas/flatten/injectivity.h"
 #include "tools/atlas/make_atlas.h"
-#include "tools/atlas/proxy.h"
 
 namespace bakelight::atlas {
 namespace {

@@ -1,11 +1,11 @@
-#include "tools/atlas/convex_boundary.h"
+#include "tools/atlas/flatten/convex_boundary.h"
 
 #include <gtest/gtest.h>
 
 #include "tests/unit/atlas/flat_shapes.h"
-#include "tools/atlas/convex_border.h"
+#include "tools/atlas/charts/stretch.h"
 #include "tools/atlas/exact.h"
-#include "tools/atlas/stretch.h"
+#include "tools/atlas/flatten/convex_border.h"
 
 namespace bakelight::atlas {
 namespace {

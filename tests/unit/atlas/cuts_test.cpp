@@ -1,4 +1,4 @@
-#include "tools/atlas/cuts.h"
+#include "tools/atlas/charts/cuts.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

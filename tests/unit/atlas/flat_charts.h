@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/atlas/packing.h"
+#include "tools/atlas/packing/packing.h"
 #include "transport/random.h"
 
 namespace bakelight::tests {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "tests/support/shapes.h"
-#include "tools/atlas/chart.h"
+#include "tools/atlas/charts/chart.h"
 
 namespace bakelight::tests {
 

@@ -1,4 +1,4 @@
-#include "tools/atlas/free_boundary.h"
+#include "tools/atlas/flatten/free_boundary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 
 #include "bodies.h"
 #include "flat_shapes.h"
-#include "tools/atlas/flattening.h"
-#include "tools/atlas/injectivity.h"
-#include "tools/atlas/stretch.h"
+#include "tools/atlas/charts/stretch.h"
+#include "tools/atlas/flatten/flattening.h"
+#include "tools/atlas/flatten/injectivity.h"
 
 namespace bakelight::atlas {
 namespace {

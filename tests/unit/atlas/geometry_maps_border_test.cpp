@@ -2,7 +2,7 @@
 #include <numbers>
 
 #include "tests/unit/atlas/map_reader.h"
-#include "tools/atlas/geometry_maps.h"
+#include "tools/atlas/maps/geometry_maps.h"
 
 using namespace bakelight;
 using namespace bakelight::tests;

@@ -1,4 +1,4 @@
-#include "tools/atlas/geometry_maps.h"
+#include "tools/atlas/maps/geometry_maps.h"
 
 #include <tbb/global_control.h>
 
@@ -10,7 +10,7 @@
 #include "tests/unit/atlas/texture_quads.h"
 #include "tools/atlas/check.h"
 #include "tools/atlas/exact.h"
-#include "tools/atlas/texel_cover.h"
+#include "tools/atlas/maps/texel_cover.h"
 
 using namespace bakelight;
 using namespace bakelight::tests;

@@ -10,7 +10,7 @@
 #include "bodies.h"
 #include "flat_shapes.h"
 #include "formats/error.h"
-#include "tools/atlas/float_rounding.h"
+#include "tools/atlas/flatten/float_rounding.h"
 
 namespace bakelight::atlas {
 namespace {

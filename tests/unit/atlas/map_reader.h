@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "tests/support/shapes.h"
-#include "tools/atlas/geometry_maps.h"
+#include "tools/atlas/maps/geometry_maps.h"
 
 namespace bakelight::tests {
 

@@ -1,4 +1,4 @@
-#include "tools/atlas/packing.h"
+#include "tools/atlas/packing/packing.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "formats/error.h"
 #include "tests/unit/atlas/flat_charts.h"
-#include "tools/atlas/layout_search.h"
+#include "tools/atlas/packing/layout_search.h"
 
 namespace bakelight::atlas {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/atlas/raster.h"
+#include "tools/atlas/maps/raster.h"
 
 #include <algorithm>
 #include <array>

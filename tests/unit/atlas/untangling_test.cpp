@@ -1,4 +1,4 @@
-#include "tools/atlas/untangling.h"
+#include "tools/atlas/flatten/untangling.h"
 
 #include <gtest/gtest.h>
 
@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "flat_shapes.h"
-#include "tools/atlas/flattening.h"
-#include "tools/atlas/free_boundary.h"
-#include "tools/atlas/guided_start.h"
-#include "tools/atlas/injectivity.h"
-#include "tools/atlas/stretch.h"
+#include "tools/atlas/charts/stretch.h"
+#include "tools/atlas/flatten/flattening.h"
+#include "tools/atlas/flatten/free_boundary.h"
+#include "tools/atlas/flatten/guided_start.h"
+#include "tools/atlas/flatten/injectivity.h"
 
 namespace bakelight::atlas {
 namespace {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <random>
 
-#include "tools/atlas/raster.h"
+#include "tools/atlas/maps/raster.h"
 #include "tools/dilate/dilate.h"
 
 using namespace bakelight;
