@@ -32,7 +32,7 @@ class CoverageCount {
   explicit CoverageCount(int resolution)
       : row_length_(resolution + 1), changes_(static_cast<std::size_t>(row_length_) * resolution, 0) {}
 
-  void add(const Span& span) {
+  void add(const RowSpan& span) {
     std::int32_t* row = &changes_[static_cast<std::size_t>(span.row) * row_length_];
     ++row[span.begin], --row[span.end];
   }
@@ -53,7 +53,7 @@ class TouchedCharts {
  public:
   explicit TouchedCharts(int resolution) : grid_(resolution) {}
 
-  void add(const Span& span, std::int32_t chart) {
+  void add(const RowSpan& span, std::int32_t chart) {
     for (int i = span.begin; i < span.end && !is_shared_; ++i) {
       std::int32_t& label = grid_.at(i, span.row);
       is_shared_ = label != LabelGrid::kNone && label != chart;
@@ -71,16 +71,16 @@ void judgeTexels(const Atlas& atlas, AtlasFigures& figures) {
   const int resolution = figures.resolution;
   CoverageCount centers(resolution), touched(resolution);
   TouchedCharts charts(resolution);
-  std::vector<Span> spans;
+  std::vector<RowSpan> spans;
   for (std::size_t t = 0; t < atlas.mesh.triangleCount(); ++t) {
     const TexelTriangle triangle = texelTriangle(atlas.mesh, t, resolution);
     figures.triangles_below_texel += !(std::abs(crossOf(triangle[0], triangle[1], triangle[2])) >= 2);
     centerSpans(triangle, resolution, spans);
     figures.triangles_without_texel += spans.empty();
-    for (const Span& span : spans) centers.add(span);
+    for (const RowSpan& span : spans) centers.add(span);
     if (turnOf(triangle) == 0) continue;
     touchedSpans(triangle, resolution, spans);
-    for (const Span& span : spans) {
+    for (const RowSpan& span : spans) {
       touched.add(span);
       charts.add(span, static_cast<std::int32_t>(atlas.triangle_charts[t]));
     }

@@ -64,9 +64,9 @@ bool meetsTexel(const IntegerTriangle& t, int i, int j) {
   return true;
 }
 
-std::set<std::pair<int, int>> texelsOf(const std::vector<Span>& spans) {
+std::set<std::pair<int, int>> texelsOf(const std::vector<RowSpan>& spans) {
   std::set<std::pair<int, int>> texels;
-  for (const Span& span : spans)
+  for (const RowSpan& span : spans)
     for (int i = span.begin; i < span.end; ++i) EXPECT_TRUE(texels.emplace(i, span.row).second);
   return texels;
 }
@@ -85,7 +85,7 @@ class RandomLattice {
 
 TEST(Raster, CentersAreThoseOfExactArithmetic) {
   RandomLattice lattice;
-  std::vector<Span> spans;
+  std::vector<RowSpan> spans;
   std::int64_t on_edges = 0;
   for (int n = 0; n < 3000; ++n) {
     const IntegerTriangle triangle = lattice.triangle();
@@ -104,7 +104,7 @@ TEST(Raster, CentersAreThoseOfExactArithmetic) {
 
 TEST(Raster, TouchedTexelsAreThoseOfExactArithmetic) {
   RandomLattice lattice;
-  std::vector<Span> spans;
+  std::vector<RowSpan> spans;
   int flat = 0;
   for (int n = 0; n < 3000; ++n) {
     IntegerTriangle triangle = lattice.triangle();
@@ -121,14 +121,14 @@ TEST(Raster, TouchedTexelsAreThoseOfExactArithmetic) {
 
 // Where an edge runs through corners of texels, rounding (1/49 · 49 < 1) must not touch what lies beyond.
 TEST(Raster, DiagonalsTouchNothingBeyondTheCornersOfTexels) {
-  std::vector<Span> spans;
+  std::vector<RowSpan> spans;
   for (int n = 1; n <= 63; ++n) {
     touchedSpans({Vec2(0, 0), Vec2(n, 0), Vec2(n, n)}, 64, spans);
     ASSERT_EQ(spans.size(), static_cast<std::size_t>(n));
-    for (const Span& span : spans) EXPECT_EQ(span.begin, span.row) << n;
+    for (const RowSpan& span : spans) EXPECT_EQ(span.begin, span.row) << n;
     touchedSpans({Vec2(0, 0), Vec2(n, n), Vec2(0, n)}, 64, spans);
     ASSERT_EQ(spans.size(), static_cast<std::size_t>(n));
-    for (const Span& span : spans) EXPECT_EQ(span.end, span.row + 1) << n;
+    for (const RowSpan& span : spans) EXPECT_EQ(span.end, span.row + 1) << n;
   }
 }
 
@@ -136,7 +136,7 @@ TEST(Raster, DiagonalsTouchNothingBeyondTheCornersOfTexels) {
 TEST(Raster, FansClaimEachCenterOnce) {
   std::mt19937 engine(7);
   std::uniform_int_distribution<int> inside(1, 4 * kSide - 1);
-  std::vector<Span> spans;
+  std::vector<RowSpan> spans;
   for (int n = 0; n < 200; ++n) {
     const Vec2 middle = Vec2(inside(engine), inside(engine)) / 4;
     std::vector<Vec2> loop;
@@ -168,7 +168,7 @@ TEST(Raster, SidesAreExactWhereDoublesAreNot) {
 }
 
 TEST(Raster, WhatIsNotFiniteCoversNothing) {
-  std::vector<Span> spans = {{0, 0, 1}};
+  std::vector<RowSpan> spans = {{0, 0, 1}};
   const double nan = std::numeric_limits<double>::quiet_NaN();
   centerSpans({Vec2(0, 0), Vec2(8, nan), Vec2(0, 8)}, kSide, spans);
   EXPECT_TRUE(spans.empty());

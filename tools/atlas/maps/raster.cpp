@@ -82,7 +82,7 @@ int orientationOf(const Vec2& a, const Vec2& b, const Vec2& c) {
   return orientation(a, b, c);
 }
 
-void centerSpans(const TexelTriangle& triangle, int resolution, std::vector<Span>& spans,
+void centerSpans(const TexelTriangle& triangle, int resolution, std::vector<RowSpan>& spans,
                  const RowRange& rows) {
   spans.clear();
   if (!isFinite(triangle)) return;
@@ -113,7 +113,7 @@ void centerSpans(const TexelTriangle& triangle, int resolution, std::vector<Span
   }
 }
 
-void touchedSpans(const TexelTriangle& triangle, int resolution, std::vector<Span>& spans,
+void touchedSpans(const TexelTriangle& triangle, int resolution, std::vector<RowSpan>& spans,
                   const RowRange& rows) {
   spans.clear();
   if (!isFinite(triangle)) return;

@@ -23,7 +23,7 @@ struct RowRange {
 };
 
 // Texels `begin` … `end` − 1 of row `row`; never empty.
-struct Span {
+struct RowSpan {
   int row, begin, end;
 };
 
@@ -31,12 +31,12 @@ struct Span {
 // triangle that has it as its left or its top one: so triangles that share edges claim each centre once, and
 // miss none. Rows ascend. Nothing for a triangle without area or with a coordinate that is not finite. Texels
 // outside the square are left out. Cost: rows.
-void centerSpans(const TexelTriangle& triangle, int resolution, std::vector<Span>& spans,
+void centerSpans(const TexelTriangle& triangle, int resolution, std::vector<RowSpan>& spans,
                  const RowRange& rows = {});
 
 // Texels whose inside the closed triangle meets; so one without area counts, too, unless it lies on the
 // lines between texels.
-void touchedSpans(const TexelTriangle& triangle, int resolution, std::vector<Span>& spans,
+void touchedSpans(const TexelTriangle& triangle, int resolution, std::vector<RowSpan>& spans,
                   const RowRange& rows = {});
 
 }  // namespace bakelight::atlas

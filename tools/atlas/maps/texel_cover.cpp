@@ -105,7 +105,7 @@ class Band {
 
   void claimCenters(std::uint32_t triangle, const TexelTriangle& corners) {
     centerSpans(corners, resolution_, spans_, rows_);
-    for (const Span& span : spans_)
+    for (const RowSpan& span : spans_)
       for (int i = span.begin; i < span.end; ++i) {
         std::int32_t& claim = cover_.center_triangles[static_cast<std::size_t>(span.row) * resolution_ + i];
         if (claim < 0 || static_cast<std::uint32_t>(claim) > triangle)
@@ -120,7 +120,7 @@ class Band {
     whole.push({corners[2], {0, 1}});
     const double full_area = surfaceArea(atlas_.mesh, triangle);
     touchedSpans(corners, resolution_, spans_, rows_);
-    for (const Span& span : spans_) {
+    for (const RowSpan& span : spans_) {
       cut(whole, 1, span.row, unused, row);
       cut(row, 1, span.row + 1, rest, unused);
       for (int i = span.begin; i + 1 < span.end; ++i) {
@@ -152,7 +152,7 @@ class Band {
   RowRange rows_;
   TexelCover& cover_;
   std::vector<ChartArea> current_, best_;
-  std::vector<Span> spans_;
+  std::vector<RowSpan> spans_;
 };
 
 // Triangles by the bands of rows that they reach, ordered by chart, then by number.
