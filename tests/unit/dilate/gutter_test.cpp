@@ -6,7 +6,7 @@
 #include "tools/dilate/dilate.h"
 
 using namespace bakelight;
-using atlas::Span;
+using atlas::RowSpan;
 using atlas::TexelTriangle;
 using atlas::Vec2;
 
@@ -20,7 +20,7 @@ class Charts {
   explicit Charts(int gutter) : image(kSide, kSide, {"chart"}), covered(kSide * kSide, 0) {
     std::mt19937 engine(11);
     std::uniform_real_distribution<double> place(0, kSide), way(-9, 9);
-    std::vector<Span> spans;
+    std::vector<RowSpan> spans;
     for (int attempt = 0; attempt < 20000; ++attempt) {
       const Vec2 a(place(engine), place(engine));
       const TexelTriangle triangle = {a, a + Vec2(way(engine), way(engine)),
@@ -31,7 +31,7 @@ class Charts {
       if (!is_inside) continue;
       touchedSpans(triangle, kSide, spans);
       if (!isFree(spans, gutter)) continue;
-      for (const Span& span : spans)
+      for (const RowSpan& span : spans)
         for (int i = span.begin; i < span.end; ++i) {
           covered[span.row * kSide + i] = 1;
           image.texel(i, span.row)[0] = static_cast<float>(triangles.size());
@@ -45,8 +45,8 @@ class Charts {
   std::vector<TexelTriangle> triangles;
 
  private:
-  bool isFree(const std::vector<Span>& spans, int gutter) const {
-    for (const Span& span : spans)
+  bool isFree(const std::vector<RowSpan>& spans, int gutter) const {
+    for (const RowSpan& span : spans)
       for (int j = std::max(span.row - gutter, 0); j <= std::min(span.row + gutter, kSide - 1); ++j)
         for (int i = std::max(span.begin - gutter, 0); i < std::min(span.end + gutter, kSide); ++i)
           if (covered[j * kSide + i] != 0) return false;
