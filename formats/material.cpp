@@ -255,7 +255,11 @@ PackPart runtimeLobe(const Reflection& reflection) {
                     reflection);
 }
 
-BrdfTable brdfTableFrom(const TensorFile& tensors, const std::string& file) {
+std::string brdfTensorOf(const std::string& material) {
+  return material.empty() ? "brdf" : "brdf/" + material;
+}
+
+BrdfTable brdfTableFrom(const TensorFile& tensors, const std::string& file, const std::string& material) {
   const std::string remedy = "make it with the brdf tool of this version";
   for (const auto& [key, expected] :
        {std::pair("basis", "real_sh_cartesian"), std::pair("frame", "local"), std::pair("cosine", "inside")})
@@ -267,10 +271,12 @@ BrdfTable brdfTableFrom(const TensorFile& tensors, const std::string& file) {
   const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), table.order);
   if (status != std::errc() || end != digits.data() + digits.size() || table.order < 1 || table.order > 10)
     throw badInput({file, "metadata order", ""}, "it is '" + digits + "'", "1 to 10", remedy);
-  const Tensor& tensor = tensors.require("brdf", ElementType::kFloat32, 3, file);
+  const bool has_own = tensors.tensors.contains(brdfTensorOf(material));
+  const std::string name = has_own ? brdfTensorOf(material) : brdfTensorOf("");
+  const Tensor& tensor = tensors.require(name, ElementType::kFloat32, 3, file);
   const auto coefficients = static_cast<std::uint64_t>(table.order) * static_cast<std::uint64_t>(table.order);
   if (tensor.shape[0] < 1 || tensor.shape[1] != 3 || tensor.shape[2] != coefficients)
-    throw badInput({file, "tensor brdf", ""}, "its shape does not fit the order " + digits,
+    throw badInput({file, "tensor " + name, ""}, "its shape does not fit the order " + digits,
                    "angles × red, green, blue × order²", remedy);
   const auto values = tensor.as<float>();
   table.angles = static_cast<int>(tensor.shape[0]);
@@ -305,6 +311,7 @@ SurfaceMaterials materialsOn(const TriangleMesh& mesh, const Materials& material
   requireMaterials(mesh);
   VertexAlbedo albedo(mesh, mesh_file);
   surface.reflections.clear();
+  surface.names = mesh.material_names;
   for (const std::string& name : mesh.material_names) {
     const Material& material = materials.of(name);
     surface.reflections.push_back(material.reflection);

@@ -98,13 +98,17 @@ const char* nameOf(const Reflection& reflection);
 // direction.
 PackPart runtimeLobe(const Reflection& reflection);
 
-// What the tool `brdf` writes. Throws Error(kBadInput) naming tensor or key.
-BrdfTable brdfTableFrom(const TensorFile& tensors, const std::string& file);
+// What the tool `brdf` writes: the table of whatever reflects, in the tensor "brdf"; where materials reflect
+// differently, those of names in tensors of their own.
+std::string brdfTensorOf(const std::string& material);  // "brdf/NAME"; "brdf" of no name
+// That of the material, else the one for all. Throws Error(kBadInput) naming tensor or key.
+BrdfTable brdfTableFrom(const TensorFile& tensors, const std::string& file, const std::string& material = "");
 BrdfTable readBrdfTable(const std::filesystem::path& path);
 
 // The materials of one mesh, as its vertices and triangles have them.
 struct SurfaceMaterials {
   std::vector<Reflection> reflections = {Lambert()};  // at least one
+  std::vector<std::string> names = {""};              // of the materials that have them
   std::vector<std::uint32_t> of_triangle;             // into `reflections`; empty: all have the first
   Float3 albedo = kDefaultAlbedo;                     // where `vertex_albedo` is empty
   std::vector<Float3> vertex_albedo;                  // empty, or one a vertex

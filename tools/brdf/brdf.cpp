@@ -150,12 +150,14 @@ Projection project(const Brdf& brdf, int order, int angles, double tolerance) {
   return projection;
 }
 
-formats::TensorFile tensorFile(const formats::BrdfTable& table) {
+formats::TensorFile tensorFile(const std::map<std::string, formats::BrdfTable>& tables) {
   formats::TensorFile file;
-  const auto count = static_cast<std::uint64_t>(transport::coefficientCount(table.order));
-  file.tensors["brdf"] = formats::Tensor::from<float>(
-      formats::ElementType::kFloat32, {static_cast<std::uint64_t>(table.angles), 3, count}, table.values);
-  file.metadata = {{"order", std::to_string(table.order)},
+  for (const auto& [material, table] : tables) {
+    const auto count = static_cast<std::uint64_t>(transport::coefficientCount(table.order));
+    file.tensors[formats::brdfTensorOf(material)] = formats::Tensor::from<float>(
+        formats::ElementType::kFloat32, {static_cast<std::uint64_t>(table.angles), 3, count}, table.values);
+  }
+  file.metadata = {{"order", std::to_string(tables.begin()->second.order)},
                    {"basis", "real_sh_cartesian"},
                    {"frame", "local"},
                    {"cosine", "inside"},

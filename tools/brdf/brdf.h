@@ -5,6 +5,8 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "formats/material.h"
@@ -50,7 +52,8 @@ struct Projection {
 // angles × some 10,000 to 300,000 evaluations, on all TBB threads.
 Projection project(const Brdf& brdf, int order, int angles, double tolerance = 1e-6);
 
-// The file that `pack` reads (docs/FORMATS.md).
-formats::TensorFile tensorFile(const formats::BrdfTable& table);
+// The file that `pack` reads (docs/FORMATS.md): tables of one order, by the name of their material; "" is that of
+// all others.
+formats::TensorFile tensorFile(const std::map<std::string, formats::BrdfTable>& tables);
 
 }  // namespace bakelight::brdf

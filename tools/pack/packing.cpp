@@ -58,32 +58,28 @@ void takeAlbedo(const formats::SurfaceMaterials& material, formats::Pack& pack) 
 constexpr const char* kTable = "table";
 constexpr const char* kNone = "none";
 
-formats::BrdfTable tableFor(const formats::Reflection& reflection, int row_order, const TensorFile* brdf,
-                            const SourceNames& files) {
+formats::BrdfTable tableFor(const formats::Reflection& reflection, const std::string& material, int row_order,
+                            const TensorFile* brdf, const SourceNames& files) {
   const auto* own = std::get_if<formats::TableReflection>(&reflection);
   if (brdf == nullptr && own == nullptr)
     throw badInput({"", "", "/brdf"}, "a table needs a projected BRDF", "a file of the brdf tool",
                    "give it as input brdf");
-  const std::string file = brdf != nullptr ? files.brdf : own->file.string();
-  formats::BrdfTable table = brdf != nullptr ? formats::brdfTableFrom(*brdf, file) : own->table;
+  const std::string file = own == nullptr ? files.brdf : own->file.string();
+  formats::BrdfTable table = own == nullptr ? formats::brdfTableFrom(*brdf, file, material) : own->table;
   if (table.order < row_order)
     throw badInput({file, "metadata order", ""}, "it has fewer bands than the transferred radiance",
                    std::to_string(row_order) + " or more", "make it with the brdf tool of this version");
   return table;
 }
 
-formats::PackPart reflectionFor(const formats::Reflection& reflection, int output_order,
-                                const PackingOptions& options, const TensorFile* brdf,
+formats::PackPart reflectionFor(const formats::Reflection& reflection, const std::string& material,
+                                int output_order, const PackingOptions& options, const TensorFile* brdf,
                                 const SourceNames& files) {
   if (options.reflection == kNone || std::holds_alternative<formats::Lambert>(reflection))
     return formats::LambertReflection();
   if (options.reflection != kTable && !std::holds_alternative<formats::TableReflection>(reflection))
     return runtimeLobe(reflection);
-  if (options.material.only() == nullptr && !std::holds_alternative<formats::TableReflection>(reflection))
-    throw badInput({files.material, "", "/materials"},
-                   "its materials reflect differently, and there is one projected table",
-                   "reflection lobe, tables in the materials themselves, or the same reflection for all");
-  return tableFor(reflection, output_order, brdf, files);
+  return tableFor(reflection, material, output_order, brdf, files);
 }
 
 // One for each material that a triangle has; one without a name for a mesh that tells none apart.
@@ -93,7 +89,8 @@ std::vector<formats::Appearance> appearancesOf(formats::TriangleMesh& mesh, cons
   const formats::SurfaceMaterials& material = options.material;
   const auto reflectionAt = [&](std::size_t triangle) {
     const std::size_t index = material.of_triangle.empty() ? 0 : material.of_triangle[triangle];
-    return reflectionFor(material.reflections[index], output_order, options, brdf, files);
+    return reflectionFor(material.reflections[index], material.names[index], output_order, options, brdf,
+                         files);
   };
   std::vector<formats::Appearance> appearances;
   const std::vector<std::size_t> triangles = formats::trianglesOfMaterials(mesh);

@@ -34,10 +34,9 @@ const std::vector<std::string>& reflectionNames();
 // both. Throws Error(kBadInput) naming tensor or key if one says something that a pack of this version cannot
 // hold, if a shape does not fit the mesh, or if it was baked for another mesh or another albedo than the
 // material's; at /reflection or /brdf if reflection, transfer and table do not go together: a reflection
-// needs matrices, matrices need a reflection, and "table" needs `brdf`, which is one for all materials, or
-// materials that are tables. There is an appearance for each material that a triangle has; vertices stay as
-// the transfer file has them, to be put in order by orderByMaterial. The pack itself is judged by
-// formats::encodePack.
+// needs matrices, matrices need a reflection, and "table" needs `brdf`, or materials that are tables. There is
+// an appearance for each material that a triangle has; vertices stay as the transfer file has them, to be put
+// in order by orderByMaterial. The pack itself is judged by formats::encodePack.
 formats::Pack assemblePack(formats::TriangleMesh mesh, const formats::TensorFile& transfer,
                            const formats::TensorFile* brdf, const PackingOptions& options,
                            const SourceNames& files);

@@ -86,11 +86,11 @@ const std::vector<std::string>& reflectionModelNames() {
 }
 
 Glossy glossyOf(const formats::Reflection& reflection, ReflectionModel model,
-                const std::optional<formats::BrdfTable>& table) {
-  if (model == ReflectionModel::kNone) return {};
+                const formats::BrdfTable* table) {
+  if (model == ReflectionModel::kNone || std::holds_alternative<formats::Lambert>(reflection)) return {};
   const auto* own = std::get_if<formats::TableReflection>(&reflection);
   if (model == ReflectionModel::kTable && own == nullptr) {
-    if (!table)
+    if (table == nullptr)
       throw badInput({"", "", "/reflection"}, "a table needs a projected BRDF", "a file of the brdf tool",
                      "give it as input brdf");
     return *table;

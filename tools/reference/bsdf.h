@@ -58,9 +58,9 @@ struct TintedLobe {
 // What a surface has besides its diffuse part; nothing, or one of these. Phong is its lobe in all models, and
 // a reflection that is a table stays that one.
 using Glossy = std::variant<std::monostate, TintedLobe, transport::Microfacets, formats::BrdfTable>;
-// `table`: with kTable, for reflections that are none themselves. Throws Error(kBadInput) if it is missing.
+// `table`: with kTable, for reflections that are none themselves; null without. Throws Error(kBadInput) if it is missing.
 Glossy glossyOf(const formats::Reflection& reflection, ReflectionModel model,
-                const std::optional<formats::BrdfTable>& table);
+                const formats::BrdfTable* table);
 
 // Reflection at one point towards one direction. Radiance towards the eye is ∫ value(s) L(s) ds over the
 // hemisphere around the normal: a cosine is inside where there is one.

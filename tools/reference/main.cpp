@@ -5,6 +5,7 @@
 #include "formats/light_rig_file.h"
 #include "formats/material.h"
 #include "formats/mesh_ply.h"
+#include "formats/tensors.h"
 #include "tools/reference/reference.h"
 #include "tools/stage/frame_options.h"
 #include "transport/ray_scene.h"
@@ -69,9 +70,16 @@ int main(int argc, char** argv) {
     transport::requireTraceableScale(surface.mesh, mesh_path.string());
     surface.model =
         static_cast<reference::ReflectionModel>(indexOf(reference::reflectionModelNames(), model));
-    if (!brdf_path.empty()) surface.table = formats::readBrdfTable(brdf_path);
     surface.material = formats::materialsOn(surface.mesh, formats::readMaterialsOrDefault(material_path),
                                             mesh_path.string(), material_path.string());
+    if (!brdf_path.empty()) {
+      const formats::TensorFile tables = formats::readSafetensors(brdf_path);
+      for (const std::string& name : surface.material.names)
+        if (tables.tensors.contains(formats::brdfTensorOf(name)))
+          surface.tables[name] = formats::brdfTableFrom(tables, brdf_path.string(), name);
+      if (tables.tensors.contains(formats::brdfTensorOf("")))
+        surface.tables[""] = formats::brdfTableFrom(tables, brdf_path.string());
+    }
     const reference::Reference result =
         reference::makeReference(surface, rig, options, bounds, run.progressStyle());
     formats::writeExr(image_path, result.picture.image, formats::ExrPrecision::kFloat, result.metadata);

@@ -52,8 +52,12 @@ TriangleMesh joined(const TriangleMesh& mesh, const TriangleMesh& other) {
 
 std::vector<Glossy> materialsOf(const Surface& surface) {
   std::vector<Glossy> materials;
-  for (const formats::Reflection& reflection : surface.material.reflections)
-    materials.push_back(glossyOf(reflection, surface.model, surface.table));
+  for (std::size_t i = 0; i < surface.material.reflections.size(); ++i) {
+    auto table = surface.tables.find(surface.material.names[i]);
+    if (table == surface.tables.end()) table = surface.tables.find("");
+    materials.push_back(glossyOf(surface.material.reflections[i], surface.model,
+                                 table == surface.tables.end() ? nullptr : &table->second));
+  }
   return materials;
 }
 

@@ -30,7 +30,7 @@ struct Surface {
   formats::TriangleMesh mesh;          // with normals; its own colours are not looked at
   formats::SurfaceMaterials material;  // of this mesh
   ReflectionModel model = ReflectionModel::kPhysical;
-  std::optional<formats::BrdfTable> table = {};  // with kTable
+  std::map<std::string, formats::BrdfTable> tables = {};  // with kTable: by material, or "" for all others
 };
 
 class Scene {

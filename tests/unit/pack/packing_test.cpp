@@ -345,6 +345,7 @@ TEST(Packing, AMaterialThatIsATableNeedsNoOther) {
 TEST(Packing, MaterialsReflectEachInItsOwnWay) {
   PackingOptions options = packed();
   options.material.reflections = {formats::GgxReflection(), formats::PhongReflection(), formats::Lambert()};
+  options.material.names = {"metal", "paint", "chalk"};
   options.material.of_triangle = {1};
   EXPECT_STREQ(reflectionOf(assemble(glossyTransfer("matrix"), options)).kind(), "phong")
       << "which is the only one in use";
@@ -361,11 +362,14 @@ TEST(Packing, MaterialsReflectEachInItsOwnWay) {
   EXPECT_STREQ(pack.appearances[0].reflection.kind(), "phong");
   EXPECT_STREQ(pack.appearances[1].reflection.kind(), "lambert");
   EXPECT_STREQ(pack.appearances[2].reflection.kind(), "ggx");
-  // There is one table for all.
+  // Each has its own table, or the one for all others.
   options.reflection = "table";
-  const TensorFile brdf = brdfOfOrder(4);
-  EXPECT_THAT(errorOf(transfer, options, &brdf, mesh),
-              AllOf(HasSubstr("/materials"), HasSubstr("one projected table")));
+  TensorFile brdf = brdfOfOrder(4);
+  brdf.tensors["brdf/metal"] = ramp({5, 3, 16}, 40);
+  pack = assemblePack(mesh, transfer, &brdf, options, kNames);
+  EXPECT_EQ(pack.appearances[0].reflection.as<formats::BrdfTable>()->values, valuesOf(brdf, "brdf"));
+  EXPECT_STREQ(pack.appearances[1].reflection.kind(), "lambert");
+  EXPECT_EQ(pack.appearances[2].reflection.as<formats::BrdfTable>()->values, valuesOf(brdf, "brdf/metal"));
 }
 
 TEST(Packing, RefusesATransferOfAnotherMesh) {

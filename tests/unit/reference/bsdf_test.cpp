@@ -128,7 +128,7 @@ class Sampled : public testing::TestWithParam<ReflectionModel> {};
 TEST_P(Sampled, IntegratesToOneAndKnowsItsDensity) {
   // Rough facets that scatter several times, for the physical one.
   const formats::GgxReflection ggx{{0.4F, 0.4F, 0.4F}, 0.5, true, true};
-  const Glossy material = glossyOf(ggx, GetParam(), {});
+  const Glossy material = glossyOf(ggx, GetParam(), nullptr);
   const Vec3 normal = Vec3(1, 2, -0.5).normalized(), outgoing = Vec3(0.3, 1, 0.4).normalized();
   const Bsdf bsdf(&material, Rgb(0.2, 0.5, 0.7), normal, outgoing);
   double density = 0, reflectance = 0;
@@ -209,13 +209,13 @@ TEST(Physical, EachFaceHasItsOwnMaterial) {
 }
 
 TEST(Physical, ATableThatIsAskedForMustBeThere) {
-  EXPECT_THROW(glossyOf(formats::GgxReflection(), ReflectionModel::kTable, {}), Error);
-  EXPECT_TRUE(
-      std::holds_alternative<std::monostate>(glossyOf(formats::GgxReflection(), ReflectionModel::kNone, {})));
-  EXPECT_TRUE(
-      std::holds_alternative<TintedLobe>(glossyOf(formats::GgxReflection(), ReflectionModel::kLobe, {})));
+  EXPECT_THROW(glossyOf(formats::GgxReflection(), ReflectionModel::kTable, nullptr), Error);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(
+      glossyOf(formats::GgxReflection(), ReflectionModel::kNone, nullptr)));
   EXPECT_TRUE(std::holds_alternative<TintedLobe>(
-      glossyOf(formats::PhongReflection(), ReflectionModel::kPhysical, {})));
+      glossyOf(formats::GgxReflection(), ReflectionModel::kLobe, nullptr)));
+  EXPECT_TRUE(std::holds_alternative<TintedLobe>(
+      glossyOf(formats::PhongReflection(), ReflectionModel::kPhysical, nullptr)));
 }
 
 // 4 × 2 texels of different colours.
