@@ -52,12 +52,14 @@ void add(const GpuTimes& times, NamedTimes& passes) {
   }
 }
 
-// In runs of their own, since passes that are told apart take longer together.
+// In runs of their own, since passes that are told apart take longer together; `run_ms` is what one takes
+// otherwise.
 template <class Work>
-std::vector<std::pair<std::string, double>> passTimesOf(const Work& work) {
+std::vector<std::pair<std::string, double>> passTimesOf(const Work& work, double run_ms) {
   NamedTimes passes;
   GpuTimer timer;
-  for (std::size_t runs = 0; runs < kFewest; ++runs) {
+  const std::size_t runs = run_ms < kEnough_ms / kFewest ? kFewest : 1;
+  for (std::size_t run = 0; run < runs; ++run) {
     timer.start(GpuTimer::Of::kPasses);
     work();
     add(timer.finish(), passes);
@@ -79,7 +81,8 @@ WorkTimes timesOf(const Work& work) {
     }));
     return wall.back();
   });
-  return {spreadOf(std::move(wall)), spreadOf(std::move(gpu)), passTimesOf(work)};
+  const Times_ms spread = spreadOf(std::move(wall));
+  return {spread, spreadOf(std::move(gpu)), passTimesOf(work, spread.median)};
 }
 
 Times_ms readBackTimes(const ResolvedPicture& resolved, formats::Image& image) {

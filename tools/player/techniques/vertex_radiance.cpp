@@ -61,12 +61,12 @@ VertexRadiance::VertexRadiance(const formats::Pack& pack, const SurfaceMesh& mes
   if (vectors_.rows() != count || (!pack.colors.empty() && pack.colors.size() != count))
     throw std::invalid_argument("transfer table and vertex count do not fit together");
 
-  Albedo albedo{pack.appearances.front().base_color, nullptr};
-  if (pack.appearances.size() > 1) {
-    vertex_colors_ = makeBuffer(count * sizeof(formats::Float3), vertexAlbedos(pack).data());
-    albedo = {{1, 1, 1}, &vertex_colors_};
-  } else if (!pack.colors.empty()) {
-    vertex_colors_ = makeBuffer(count * sizeof(formats::Float3), pack.colors.data());
+  const bool one_material = pack.appearances.size() == 1;
+  Albedo albedo;
+  if (one_material) albedo.base_color = pack.appearances.front().base_color;
+  if (!one_material || !pack.colors.empty()) {
+    const std::vector<formats::Float3> colors = one_material ? pack.colors : vertexAlbedos(pack);
+    vertex_colors_ = makeBuffer(count * sizeof(formats::Float3), colors.data());
     albedo.vertex_colors = &vertex_colors_;
   }
   distant_.emplace(vectors_, transfer.order, transfer.channels, albedo, false);
