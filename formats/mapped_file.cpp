@@ -49,10 +49,13 @@ MappedFile::~MappedFile() {
 
 void MappedFile::release(std::span<const std::byte> part) const noexcept {
   if (!read_.empty()) return;
-  static const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
-  const auto first = (reinterpret_cast<std::uintptr_t>(part.data()) + page - 1) / page * page;
-  const auto end = (reinterpret_cast<std::uintptr_t>(part.data()) + part.size()) / page * page;
-  if (end > first) ::madvise(reinterpret_cast<void*>(first), end - first, MADV_DONTNEED);
+  static const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  // Whole pages only: others may still be in use.
+  const std::size_t before = reinterpret_cast<std::uintptr_t>(part.data()) % page;
+  const std::size_t skipped = before == 0 ? 0 : page - before;
+  if (part.size() <= skipped) return;
+  const std::size_t size = (part.size() - skipped) / page * page;
+  if (size > 0) ::madvise(const_cast<std::byte*>(part.data() + skipped), size, MADV_DONTNEED);
 }
 
 }  // namespace bakelight::formats

@@ -178,7 +178,7 @@ formats::Pack assemblePack(formats::TriangleMesh mesh, const TensorFile& transfe
 void orderByMaterial(formats::Pack& pack) {
   if (pack.appearances.size() == 1) return;
   formats::TriangleMesh& mesh = pack.mesh;
-  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  constexpr std::uint32_t kUnplaced = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> source, materials;
   std::vector<formats::Triangle> triangles;
   for (std::uint32_t material = 0; material < pack.appearances.size(); ++material) {
@@ -186,7 +186,7 @@ void orderByMaterial(formats::Pack& pack) {
     for (std::size_t t = 0; t < mesh.triangleCount(); ++t)
       if (mesh.triangle_materials[t] == material)
         for (const std::uint32_t v : mesh.triangles[t]) is_used[v] = 1;
-    std::vector<std::uint32_t> target(mesh.vertexCount(), kNone);
+    std::vector<std::uint32_t> target(mesh.vertexCount(), kUnplaced);
     for (std::uint32_t v = 0; v < is_used.size(); ++v) {
       if (is_used[v] == 0) continue;
       target[v] = static_cast<std::uint32_t>(source.size());
