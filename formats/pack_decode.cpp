@@ -36,7 +36,8 @@ class FieldReader final : public FieldVisitor, private PackReading {
   }
 
   void table(const char* name, EncodedTable& table, Rows, std::size_t) override {
-    table = tableAt(at(name), glb_.unsignedAt(at(name) + "/shape/0"), glb_.unsignedAt(at(name) + "/shape/1"));
+    table = readTable(at(name), "type", glb_.unsignedAt(at(name) + "/shape/0"),
+                      glb_.unsignedAt(at(name) + "/shape/1"));
   }
   void floats(const char* name, std::vector<float>& values, std::size_t) override {
     require(at(name) + "/type", "float32");
@@ -63,9 +64,9 @@ class FieldReader final : public FieldVisitor, private PackReading {
     image.channels.clear();
     for (int c = 0; c < channels; ++c)
       image.channels.push_back(glb_.textAt(at(name) + "/channels/" + std::to_string(c)));
-    image.texels =
-        tableAt(at(name), static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height),
-                static_cast<std::uint64_t>(channels));
+    image.texels = readTable(
+        at(name), "type", static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height),
+        static_cast<std::uint64_t>(channels));
   }
 
   bool open(const char* name, bool) override {
@@ -85,22 +86,6 @@ class FieldReader final : public FieldVisitor, private PackReading {
 
   using PackReading::require;
   std::string at(const char* name) const { return pointer_ + "/" + name; }
-
-  EncodedTable tableAt(const std::string& pointer, std::uint64_t rows, std::uint64_t columns) const {
-    EncodedTable table;
-    table.precision = precisionAt(pointer + "/type");
-    table.rows = rows;
-    table.columns = columns;
-    table.data = glb_.shared(sectionOfSize(
-        pointer + "/bufferView", checkedProduct({table.rows, table.columns, bytesPerValue(table.precision)}),
-        std::to_string(table.rows) + " rows × " + std::to_string(table.columns) + " values of " +
-            nameOf(table.precision)));
-    if (table.precision == Precision::kUint8) {
-      table.scale = readValues<float>(pointer + "/scale", table.columns);
-      table.offset = readValues<float>(pointer + "/offset", table.columns);
-    }
-    return table;
-  }
   template <class Narrow>
   static void widen(const std::vector<Narrow>& from, std::vector<std::uint32_t>& to) {
     to.assign(from.begin(), from.end());

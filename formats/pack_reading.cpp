@@ -62,6 +62,22 @@ TriangleMesh PackReading::readDracoMesh(const std::string& primitive) const {
   return mesh;
 }
 
+EncodedTable PackReading::readTable(const std::string& pointer, const char* precision_key, std::uint64_t rows,
+                                    std::uint64_t columns) const {
+  EncodedTable table;
+  table.precision = precisionAt(pointer + "/" + precision_key);
+  table.rows = rows;
+  table.columns = columns;
+  table.data = glb_.shared(sectionOfSize(
+      pointer + "/bufferView", checkedProduct({rows, columns, bytesPerValue(table.precision)}),
+      std::to_string(rows) + " rows × " + std::to_string(columns) + " values of " + nameOf(table.precision)));
+  if (table.precision == Precision::kUint8) {
+    table.scale = readValues<float>(pointer + "/scale", columns);
+    table.offset = readValues<float>(pointer + "/offset", columns);
+  }
+  return table;
+}
+
 Precision PackReading::precisionAt(const std::string& pointer) const {
   const std::string name = glb_.textAt(pointer);
   for (const std::string& known : precisionNames()) {

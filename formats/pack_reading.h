@@ -61,6 +61,9 @@ class PackReading {
 
   TriangleMesh readPlainVertices(const std::string& primitive) const;
   TriangleMesh readDracoMesh(const std::string& primitive) const;
+  // The table whose precision stands under `precision_key`.
+  EncodedTable readTable(const std::string& pointer, const char* precision_key, std::uint64_t rows,
+                         std::uint64_t columns) const;
   Precision precisionAt(const std::string& pointer) const;
 
   const GlbReader& glb_;

@@ -40,20 +40,9 @@ class PackReader2 : private PackReading {
  private:
   int orderAt(const std::string& pointer) const { return intAt(pointer, 1, kMaxOrder); }
 
-  EncodedTable readTable(const std::string& pointer) const {
-    EncodedTable table;
-    table.precision = precisionAt(pointer + "/precision");
-    table.rows = glb_.unsignedAt(pointer + "/rows");
-    table.columns = glb_.unsignedAt(pointer + "/columns");
-    table.data = glb_.shared(sectionOfSize(
-        pointer + "/bufferView", checkedProduct({table.rows, table.columns, bytesPerValue(table.precision)}),
-        std::to_string(table.rows) + " rows × " + std::to_string(table.columns) + " values of " +
-            nameOf(table.precision)));
-    if (table.precision == Precision::kUint8) {
-      table.scale = readValues<float>(pointer + "/scale", table.columns);
-      table.offset = readValues<float>(pointer + "/offset", table.columns);
-    }
-    return table;
+  EncodedTable tableAt(const std::string& pointer) const {
+    return readTable(pointer, "precision", glb_.unsignedAt(pointer + "/rows"),
+                     glb_.unsignedAt(pointer + "/columns"));
   }
 
   // ---- radiance transfer
@@ -98,11 +87,11 @@ class PackReader2 : private PackReading {
     transfer.order = orderAt(kExtension + "/order");
     transfer.transport = transportAt(kExtension + "/transport");
     transfer.channels = intAt(kExtension + "/channels", 1, 3);
-    transfer.vectors = readTable(kExtension + "/transfer");
+    transfer.vectors = tableAt(kExtension + "/transfer");
     const std::string near_field = kExtension + "/nearField";
     if (glb_.has(near_field))
       transfer.near_field = {float3At(near_field + "/center"), glb_.floatAt(near_field + "/radius"),
-                             readTable(near_field + "/transfer")};
+                             tableAt(near_field + "/transfer")};
     const bool glossy = glb_.has(kExtension + "/glossy");
     require(kExtension + "/technique", glossy ? "glossy" : "diffuse");
     if (glossy) transfer.glossy = readGlossy(kExtension + "/glossy", vertex_count);
@@ -116,9 +105,9 @@ class PackReader2 : private PackReading {
       glossy.tangents = readAccessor<Float4>(kPrimitive + "/attributes/TANGENT", kFloat32Component, "VEC4");
     const std::string storage = glb_.textAt(pointer + "/storage");
     if (storage == kOperatorNames[0]) {
-      glossy.transfer = MatrixOperator{readTable(pointer + "/matrices")};
+      glossy.transfer = MatrixOperator{tableAt(pointer + "/matrices")};
     } else if (storage == kOperatorNames[1]) {
-      glossy.transfer = VisibilityOperator{readTable(pointer + "/visibility")};
+      glossy.transfer = VisibilityOperator{tableAt(pointer + "/visibility")};
     } else if (storage == kOperatorNames[2]) {
       glossy.transfer = readClusters(pointer, vertex_count);
     } else {
@@ -129,9 +118,9 @@ class PackReader2 : private PackReading {
   }
 
   ClusteredOperator readClusters(const std::string& pointer, std::size_t vertex_count) const {
-    ClusteredOperator result{readTable(pointer + "/weights"),
+    ClusteredOperator result{tableAt(pointer + "/weights"),
                              readValues<std::uint32_t>(pointer + "/clusters/bufferView", vertex_count),
-                             readTable(pointer + "/basis")};
+                             tableAt(pointer + "/basis")};
     const std::uint64_t count = glb_.unsignedAt(pointer + "/clusters/count");
     if (checkedProduct({count, 1 + result.weights.columns}) != result.basis.rows) {
       throw glb_.error(pointer + "/clusters/count", std::to_string(count) + " does not fit the basis",

@@ -77,6 +77,10 @@ int main(int argc, char** argv) {
         tables[name] = table->table;
         continue;
       }
+      const auto* ggx = std::get_if<formats::GgxReflection>(&reflection);
+      if (ggx != nullptr && ggx->roughness < brdf::kSmallestRoughness)
+        run.warn("the roughness " + std::to_string(ggx->roughness) + " is projected as " +
+                 std::to_string(brdf::kSmallestRoughness) + ": so few bands cannot show the difference");
       const brdf::Brdf source = merl_path.empty()
                                     ? brdf::reflection(reflection)
                                     : brdf::readMerl(formats::readFile(merl_path), merl_path.string());

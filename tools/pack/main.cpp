@@ -62,7 +62,8 @@ int main(int argc, char** argv) {
         std::move(mesh), transfer, brdf ? &*brdf : nullptr, options,
         {mesh_path.string(), transfer_path.string(), brdf_path.string(), material_path.string()});
     formats::Pack ordered = pack;
-    packing::orderByMaterial(ordered);
+    if (const std::size_t dropped = packing::orderByMaterial(ordered); dropped > 0)
+      run.warn(std::to_string(dropped) + " vertices without a triangle were left out");
     const formats::Bytes bytes = formats::encodePack(ordered, file_options, pack_path.string());
     formats::writeFileAtomically(pack_path, bytes);
     packing::report(pack, transfer, bytes, pack_path.string(), run);

@@ -175,12 +175,13 @@ formats::Pack assemblePack(formats::TriangleMesh mesh, const TensorFile& transfe
   return pack;
 }
 
-void orderByMaterial(formats::Pack& pack) {
-  if (pack.appearances.size() == 1) return;
+std::size_t orderByMaterial(formats::Pack& pack) {
+  if (pack.appearances.size() == 1) return 0;
   formats::TriangleMesh& mesh = pack.mesh;
   constexpr std::uint32_t kUnplaced = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> source, materials;
   std::vector<formats::Triangle> triangles;
+  std::vector<std::uint8_t> is_kept(mesh.vertexCount(), 0);
   for (std::uint32_t material = 0; material < pack.appearances.size(); ++material) {
     std::vector<std::uint8_t> is_used(mesh.vertexCount(), 0);
     for (std::size_t t = 0; t < mesh.triangleCount(); ++t)
@@ -189,6 +190,7 @@ void orderByMaterial(formats::Pack& pack) {
     std::vector<std::uint32_t> target(mesh.vertexCount(), kUnplaced);
     for (std::uint32_t v = 0; v < is_used.size(); ++v) {
       if (is_used[v] == 0) continue;
+      is_kept[v] = 1;
       target[v] = static_cast<std::uint32_t>(source.size());
       source.push_back(v);
     }
@@ -202,6 +204,7 @@ void orderByMaterial(formats::Pack& pack) {
   mesh.triangles = std::move(triangles);
   mesh.triangle_materials = std::move(materials);
   formats::permuteVertices(pack, source);
+  return static_cast<std::size_t>(std::count(is_kept.begin(), is_kept.end(), 0));
 }
 
 void checkOptions(const formats::PackOptions& options) {

@@ -42,8 +42,8 @@ formats::Pack assemblePack(formats::TriangleMesh mesh, const formats::TensorFile
                            const SourceNames& files);
 
 // Triangles and vertices in the order of the pack's appearances; a vertex that two of them share becomes two.
-// Vertices without a triangle are dropped then; with one appearance nothing changes.
-void orderByMaterial(formats::Pack& pack);
+// Vertices without a triangle are dropped then, and counted; with one appearance nothing changes.
+std::size_t orderByMaterial(formats::Pack& pack);
 
 // Throws Error(kBadInput) at /position_bits or /normal_bits: 0, or 8–30 and 6–30.
 void checkOptions(const formats::PackOptions& options);

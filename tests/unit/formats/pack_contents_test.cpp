@@ -5,10 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
-#include <map>
 #include <nlohmann/json.hpp>
 
-#include "formats/compare.h"
 #include "formats/error.h"
 #include "formats/glb.h"
 #include "formats/pack.h"
@@ -143,12 +141,6 @@ void setFloat(EncodedTable& table, std::size_t i, float value) {
   table.data = std::move(bytes);
 }
 
-void setByte(EncodedTable& table, std::size_t i, std::byte value) {
-  Bytes bytes(table.data.begin(), table.data.end());
-  bytes[i] = value;
-  table.data = std::move(bytes);
-}
-
 void shorten(EncodedTable& table) {
   table.data = Bytes(table.data.begin(), table.data.end() - 1);
 }
@@ -264,123 +256,6 @@ TEST(PackContents, LobesAreInRange) {
   EXPECT_THAT(refusal(table, [](Pack& p) { reflectionAs<BrdfTable>(p).values[8] = INFINITY; }),
               HasSubstr("value 8"));
 }
-
-// ---- every field in every list
-
-// Finds out each field of a part, and changes one of them.
-class FieldChanger final : public FieldVisitor {
- public:
-  explicit FieldChanger(std::size_t changed) : changed_(changed) {}
-  const std::string& changedName() const { return name_; }  // empty: there are fewer fields
-
-  void integer(const char* name, int& value, const Range&) override {
-    change(name, [&] { ++value; });
-  }
-  void number(const char* name, float& value, const Range&) override {
-    change(name, [&] { value += 0.125F; });
-  }
-  void vector(const char* name, Float3& value, const Range&) override {
-    change(name, [&] { value[1] += 0.125F; });
-  }
-  void constant(const char*, const char*) override {}
-  void choice(const char* name, int& value, std::span<const char* const> names) override {
-    // Another operator would be another list.
-    if (std::string_view(name) == "operator") return;
-    change(name, [&] { value = (value + 1) % static_cast<int>(names.size()); });
-  }
-  void table(const char* name, EncodedTable& table, Rows, std::size_t) override {
-    change(name,
-           [&] { setByte(table, table.rowBytes() + 1, table.data[table.rowBytes() + 1] ^ std::byte{4}); });
-  }
-  void floats(const char* name, std::vector<float>& values, std::size_t) override {
-    change(name, [&] { values[1] += 1; });
-  }
-  void indices(const char* name, std::vector<std::uint32_t>& values, std::size_t) override {
-    change(name, [&] { values[1] = 1 - values[1]; });
-  }
-  void tangents(const char* name, std::vector<Float4>& values) override {
-    change(name, [&] { values[1][3] *= -1; });
-  }
-  void image(const char* name, PackImage& image) override { table(name, image.texels, Rows::kOther, 0); }
-  bool open(const char*, bool is_there) override { return is_there; }
-  void close() override {}
-  void require(bool, const char*, const std::string&, const std::string&, const std::string&) override {}
-
- private:
-  template <class Change>
-  void change(const char* name, const Change& change_field) {
-    if (next_++ != changed_) return;
-    name_ = name;
-    change_field();
-  }
-
-  std::size_t changed_, next_ = 0;
-  std::string name_;
-};
-
-// Sizes follow from these: a pack with another value is none.
-bool isSize(const std::string& name) {
-  return name == "order" || name == "outputOrder" || name == "channels" || name == "angles";
-}
-
-class EveryField : public testing::TestWithParam<std::tuple<Storage, Lobe>> {
- protected:
-  // Calls test(pack, name of what was changed) for each field of the transfer and the reflection.
-  template <class Test>
-  void forEachChange(const Test& test) {
-    TriangleMesh grid = wavyGrid(4);
-    grid.texcoords.clear();  // they are turned over, which may round
-    const Pack source =
-        glossyPack(std::move(grid), std::get<0>(GetParam()), Precision::kUint8, std::get<1>(GetParam()));
-    std::size_t tested = 0;
-    for (const bool of_transfer : {true, false})
-      for (std::size_t i = 0;; ++i) {
-        Pack pack = source;
-        FieldChanger changer(i);
-        (of_transfer ? pack.transfer : reflectionOf(pack)).describe(changer);
-        if (changer.changedName().empty()) break;
-        if (isSize(changer.changedName())) continue;
-        SCOPED_TRACE(changer.changedName());
-        test(source, pack);
-        ++tested;
-      }
-    EXPECT_GE(tested, 8U);
-  }
-};
-
-TEST_P(EveryField, IsCompared) {
-  forEachChange([](const Pack& source, const Pack& changed) {
-    EXPECT_FALSE(comparePacks(changed, source, {}).passes());
-  });
-}
-
-TEST_P(EveryField, IsWrittenAndRead) {
-  forEachChange([](const Pack&, const Pack& changed) {
-    const Comparison comparison = comparePacks(roundTrip(changed, {}), changed, {});
-    EXPECT_TRUE(comparison.passes()) << testing::PrintToString(comparison.mismatches);
-  });
-}
-
-// Draco's order of vertices, undone: nothing that belongs to a vertex stays behind.
-TEST_P(EveryField, FollowsItsVertex) {
-  forEachChange([](const Pack&, const Pack& changed) {
-    Pack read = roundTrip(changed, {.draco = true});
-    ASSERT_NE(read.mesh.positions, changed.mesh.positions);
-    std::map<Float3, std::uint32_t> place;
-    for (std::uint32_t v = 0; v < read.mesh.vertexCount(); ++v) place[read.mesh.positions[v]] = v;
-    std::vector<std::uint32_t> order;
-    for (const Float3& position : changed.mesh.positions) order.push_back(place.at(position));
-    permuteVertices(read, order);
-    read.mesh.triangles = changed.mesh.triangles;
-    const Comparison comparison = comparePacks(read, changed, {});
-    EXPECT_TRUE(comparison.passes()) << testing::PrintToString(comparison.mismatches);
-  });
-}
-
-INSTANTIATE_TEST_SUITE_P(Pack, EveryField,
-                         testing::Combine(testing::Values(Storage::kMatrix, Storage::kVisibility,
-                                                          Storage::kCpca),
-                                          testing::Values(Lobe::kPhong, Lobe::kGgx, Lobe::kTable)));
 
 // ---- hostile files
 

@@ -186,6 +186,12 @@ inline void expectSamePack(const Pack& read, const Pack& source) {
   }
 }
 
+inline void setByte(EncodedTable& table, std::size_t i, std::byte value) {
+  Bytes bytes(table.data.begin(), table.data.end());
+  bytes[i] = value;
+  table.data = std::move(bytes);
+}
+
 inline Pack roundTrip(const Pack& pack, const PackOptions& options) {
   return decodePack(encodePack(pack, options, "a.glb"), "a.glb");
 }

@@ -249,20 +249,20 @@ TEST(Packing, LobesCarryTheirOwnParameters) {
 // A square of two triangles, in two materials that share a side, and a material that nothing has.
 TEST(Packing, EachMaterialThatATriangleHasBecomesAnAppearance) {
   TriangleMesh square;
-  square.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-  square.normals.assign(4, {0, 0, 1});
+  square.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {9, 9, 9}};  // the last in no triangle
+  square.normals.assign(5, {0, 0, 1});
   square.triangles = {{0, 1, 2}, {0, 2, 3}};
   square.material_names = {"top", "unused", "bottom"};
   square.triangle_materials = {2, 0};
   TensorFile transfer;
-  transfer.tensors["transfer"] = ramp({4, 1, kCoefficients});
+  transfer.tensors["transfer"] = ramp({5, 1, kCoefficients});
   transfer.metadata = diffuseTransfer().metadata;
   transfer.metadata["mesh_hash"] = formats::geometryHash(square);
   Pack pack = assemblePack(square, transfer, nullptr, packed(), kNames);
   ASSERT_EQ(pack.appearances.size(), 2U);
   EXPECT_EQ(pack.appearances[0].material, "top");
   EXPECT_EQ(pack.appearances[1].material, "bottom");
-  orderByMaterial(pack);
+  EXPECT_EQ(orderByMaterial(pack), 1U) << "a vertex was left out";
   const Pack read = formats::decodePack(formats::encodePack(pack, {}, "a.glb"), "a.glb");
   EXPECT_EQ(read.mesh.triangle_materials, (std::vector<std::uint32_t>{0, 1}));
   ASSERT_EQ(read.mesh.vertexCount(), 6U) << "two vertices become four";

@@ -1,9 +1,9 @@
 #include "tools/player/techniques/glossy_pass.h"
 
 #include <cmath>
-#include <random>
 
 #include "tests/e2e/made_packs.h"
+#include "tests/unit/player/random_values.h"
 #include "tools/player/gl/gl_context.h"
 #include "tools/player/operators/visibility_operator.h"
 #include "transport/glossy.h"
@@ -22,14 +22,6 @@ formats::Pack packWith(int row_order, const formats::MadeReflection& material) {
   tests::addGlossyTransfer(pack, row_order, Storage::kVisibility);
   reflectionOf(pack) = material;
   return pack;
-}
-
-std::vector<float> randomValues(std::size_t count, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> uniform(-1, 1);
-  std::vector<float> values(count);
-  for (float& value : values) value = uniform(random);
-  return values;
 }
 
 Vec3 localEye(const formats::Pack& pack, std::size_t v, const Vec3& eye, Eigen::Matrix3d& frame) {

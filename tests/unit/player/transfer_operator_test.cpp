@@ -1,9 +1,9 @@
 #include "tools/player/operators/transfer_operator.h"
 
 #include <cmath>
-#include <random>
 
 #include "tests/support/pack_parts.h"
+#include "tests/unit/player/random_values.h"
 #include "tools/player/gl/gl_context.h"
 #include "tools/player/lights/gpu_light.h"
 #include "transport/triple_product.h"
@@ -16,14 +16,6 @@ using formats::Storage;
 using transport::Float3;
 
 constexpr std::size_t kVertices = 301;  // no multiple of the work group, nor of a word's bytes
-
-std::vector<float> randomValues(std::size_t count, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> uniform(-1, 1);
-  std::vector<float> values(count);
-  for (float& value : values) value = uniform(random);
-  return values;
-}
 
 formats::EncodedTable randomTable(std::size_t rows, std::size_t columns, Precision precision, unsigned seed) {
   return formats::encodeTable(randomValues(rows * columns, seed), columns, precision, "made", "table");

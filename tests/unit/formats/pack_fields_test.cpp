@@ -1,0 +1,160 @@
+// Each field of a pack is in every list: what changes is compared, written, read, and follows its vertex.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "formats/compare.h"
+#include "formats/pack.h"
+#include "tests/unit/formats/test_packs.h"
+
+namespace bakelight::formats {
+namespace {
+
+// Finds out each field of a part, and changes one of them.
+class FieldChanger final : public FieldVisitor {
+ public:
+  explicit FieldChanger(std::size_t changed) : changed_(changed) {}
+  const std::string& changedName() const { return name_; }  // empty: there are fewer fields
+
+  void integer(const char* name, int& value, const Range&) override {
+    change(name, [&] { ++value; });
+  }
+  void number(const char* name, float& value, const Range&) override {
+    change(name, [&] { value += 0.125F; });
+  }
+  void vector(const char* name, Float3& value, const Range&) override {
+    change(name, [&] { value[1] += 0.125F; });
+  }
+  void constant(const char*, const char*) override {}
+  void choice(const char* name, int& value, std::span<const char* const> names) override {
+    // Another operator would be another list.
+    if (std::string_view(name) == "operator") return;
+    change(name, [&] { value = (value + 1) % static_cast<int>(names.size()); });
+  }
+  void table(const char* name, EncodedTable& table, Rows, std::size_t) override {
+    change(name,
+           [&] { setByte(table, table.rowBytes() + 1, table.data[table.rowBytes() + 1] ^ std::byte{4}); });
+  }
+  void floats(const char* name, std::vector<float>& values, std::size_t) override {
+    change(name, [&] { values[1] += 1; });
+  }
+  void indices(const char* name, std::vector<std::uint32_t>& values, std::size_t) override {
+    change(name, [&] { values[1] = 1 - values[1]; });
+  }
+  void tangents(const char* name, std::vector<Float4>& values) override {
+    change(name, [&] { values[1][3] *= -1; });
+  }
+  void image(const char* name, PackImage& image) override { table(name, image.texels, Rows::kOther, 0); }
+  bool open(const char*, bool is_there) override { return is_there; }
+  void close() override {}
+  void require(bool, const char*, const std::string&, const std::string&, const std::string&) override {}
+
+ private:
+  template <class Change>
+  void change(const char* name, const Change& change_field) {
+    if (next_++ != changed_) return;
+    name_ = name;
+    change_field();
+  }
+
+  std::size_t changed_, next_ = 0;
+  std::string name_;
+};
+
+// Sizes follow from these: a pack with another value is none.
+bool isSize(const std::string& name) {
+  return name == "order" || name == "outputOrder" || name == "channels" || name == "angles";
+}
+
+class EveryField : public testing::TestWithParam<std::tuple<Storage, Lobe>> {
+ protected:
+  // Calls test(pack, name of what was changed) for each field of the transfer and the reflection.
+  template <class Test>
+  void forEachChange(const Test& test) {
+    TriangleMesh grid = wavyGrid(4);
+    grid.texcoords.clear();  // they are turned over, which may round
+    const Pack source =
+        glossyPack(std::move(grid), std::get<0>(GetParam()), Precision::kUint8, std::get<1>(GetParam()));
+    std::size_t tested = 0;
+    for (const bool of_transfer : {true, false})
+      for (std::size_t i = 0;; ++i) {
+        Pack pack = source;
+        FieldChanger changer(i);
+        (of_transfer ? pack.transfer : reflectionOf(pack)).describe(changer);
+        if (changer.changedName().empty()) break;
+        if (isSize(changer.changedName())) continue;
+        SCOPED_TRACE(changer.changedName());
+        test(source, pack);
+        ++tested;
+      }
+    EXPECT_GE(tested, 8U);
+  }
+};
+
+TEST_P(EveryField, IsCompared) {
+  forEachChange([](const Pack& source, const Pack& changed) {
+    EXPECT_FALSE(comparePacks(changed, source, {}).passes());
+  });
+}
+
+TEST_P(EveryField, IsWrittenAndRead) {
+  forEachChange([](const Pack&, const Pack& changed) {
+    const Comparison comparison = comparePacks(roundTrip(changed, {}), changed, {});
+    EXPECT_TRUE(comparison.passes()) << testing::PrintToString(comparison.mismatches);
+  });
+}
+
+// Each row that belongs to a vertex stands where Draco has put the vertex, told by its position; the test
+// permutes nothing itself.
+TEST_P(EveryField, FollowsItsVertex) {
+  forEachChange([](const Pack&, const Pack& changed) {
+    const Pack read = roundTrip(changed, {.draco = true});
+    ASSERT_NE(read.mesh.positions, changed.mesh.positions);
+    const std::size_t count = changed.mesh.vertexCount();
+    ASSERT_EQ(read.mesh.vertexCount(), count);
+    std::map<Float3, std::size_t> source_at;
+    for (std::size_t v = 0; v < count; ++v) source_at[changed.mesh.positions[v]] = v;
+    std::vector<std::size_t> source_of;
+    for (const Float3& position : read.mesh.positions) source_of.push_back(source_at.at(position));
+    std::size_t followed = 0;
+    for (const auto& [mine, theirs] :
+         {std::pair(fieldsOf(read.transfer), fieldsOf(changed.transfer)),
+          std::pair(fieldsOf(read.appearances[0].reflection), fieldsOf(changed.appearances[0].reflection))}) {
+      ASSERT_EQ(mine.size(), theirs.size());
+      for (std::size_t f = 0; f < mine.size(); ++f) {
+        SCOPED_TRACE(mine[f].name);
+        const bool has_vertex_rows = (mine[f].table != nullptr && mine[f].table->rows == count) ||
+                                     (mine[f].plain.is_array() && mine[f].plain.size() == count) ||
+                                     mine[f].name == "glossy.tangents";
+        followed += has_vertex_rows ? 1 : 0;
+        for (std::size_t v = 0; v < count; ++v) {
+          const std::size_t source = has_vertex_rows ? source_of[v] : v;
+          if (mine[f].table != nullptr && v < mine[f].table->rows) {
+            ASSERT_EQ(rowOf(*mine[f].table, v), rowOf(*theirs[f].table, source));
+          } else if (mine[f].name == "glossy.tangents") {
+            for (std::size_t c = 0; c < 4; ++c)
+              ASSERT_EQ(mine[f].values[4 * v + c], theirs[f].values[4 * source + c]);
+          } else if (has_vertex_rows) {
+            ASSERT_EQ(mine[f].plain[v], theirs[f].plain[source]);
+          }
+        }
+        if (!has_vertex_rows) {
+          EXPECT_EQ(mine[f].plain, theirs[f].plain);
+          EXPECT_EQ(mine[f].values, theirs[f].values);
+        }
+      }
+    }
+    EXPECT_GE(followed, 4U);
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(Pack, EveryField,
+                         testing::Combine(testing::Values(Storage::kMatrix, Storage::kVisibility,
+                                                          Storage::kCpca),
+                                          testing::Values(Lobe::kPhong, Lobe::kGgx, Lobe::kTable)));
+
+}  // namespace
+}  // namespace bakelight::formats
