@@ -34,10 +34,10 @@ struct ParameterDescription {
   bool changes_object = false;
 };
 
-// A file that a tool reads or writes.
 // The kind of an input that takes files of every kind.
 inline constexpr const char* kAnyKind = "any";
 
+// A file that a tool reads or writes.
 struct PortDescription {
   std::string name;  // snake_case; on the command line --name PATH
   std::string kind;  // "mesh", "image", "tensors", "pack", "report", kAnyKind

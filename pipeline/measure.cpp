@@ -12,26 +12,22 @@ namespace fs = std::filesystem;
 using formats::Json;
 namespace {
 
-constexpr const char* kReportTool = "report";
-constexpr const char* kReportFile = "report.json";
-constexpr const char* kPageFile = "report.html";
-
-Graph reportGraph(const fs::path& plan, Toolbox& tools) {
-  const formats::ToolDescription& tool = tools.require(kReportTool, {}).description;
-  Graph graph{.assets = {{.name = kReportTool, .label = {}, .file = plan.string()}}};
-  Task task{.stage = kReportTool, .tool = kReportTool};
-  task.inputs["plan"] = {.port = "plan", .file = plan};
-  task.outputs = {{"report", kReportFile}, {"page", kPageFile}};
+Graph comparisonGraph(const Comparison& comparison, const fs::path& plan, Toolbox& tools) {
+  const formats::ToolDescription& tool = tools.require(comparison.tool, {}).description;
+  Graph graph{.assets = {{.name = comparison.tool, .label = {}, .file = plan.string()}}};
+  Task task{.stage = comparison.tool, .tool = comparison.tool};
+  task.inputs[comparison.plan_input] = {.port = comparison.plan_input, .file = plan};
+  task.outputs = comparison.files;
   task.parameters = defaultParameters(tool);
   task.published = false;
   graph.tasks.push_back(std::move(task));
   return graph;
 }
 
-// The report's files in out/ASSET, by way of the cache: the plan names all that goes in by its hash.
-Json makeReport(Workplace& workplace, const Request& request, const fs::path& folder, const fs::path& plan,
-                bool quiet) {
-  const Graph graph = reportGraph(plan, workplace.tools);
+// The comparison's files in out/ASSET, by way of the cache: the plan names all that goes in by its hash.
+Json compareVariants(Workplace& workplace, const Request& request, const Comparison& comparison,
+                     const fs::path& folder, const fs::path& plan, bool quiet) {
+  const Graph graph = comparisonGraph(comparison, plan, workplace.tools);
   const BuildResult result = runGraph(workplace, graph, folder / "sweep", buildSettings(request, 1), quiet);
   const std::optional<CacheEntry>& entry = result.outcomes.front().entry;
   if (!entry) {
@@ -40,7 +36,8 @@ Json makeReport(Workplace& workplace, const Request& request, const fs::path& fo
   }
   for (const auto& [port, file] : entry->outputs)
     workplace.disk.copy(entry->pathOf(file), folder / file.name);
-  return formats::parseJson(workplace.disk.read(folder / kReportFile), (folder / kReportFile).string());
+  const fs::path figures = folder / comparison.files.at(comparison.figures_output);
+  return formats::parseJson(workplace.disk.read(figures), figures.string());
 }
 
 void tellFailures(const Json& plan) {
@@ -96,7 +93,7 @@ std::optional<Json> measureVariants(Workplace& workplace, const Request& request
   const fs::path plan_file = folder / "sweep" / "plan.json";
   const std::string text = plan.dump(1) + "\n";
   if (!sameText(workplace.disk, plan_file, text)) workplace.disk.write(plan_file, text);
-  return makeReport(workplace, request, folder, plan_file, quiet);
+  return compareVariants(workplace, request, sweep->comparison, folder, plan_file, quiet);
 }
 
 bool settleBudgets(Workplace& workplace, const Request& request, std::vector<Asset>& assets) {

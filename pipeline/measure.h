@@ -10,8 +10,8 @@
 namespace bakelight::pipeline {
 
 // Runs all variants of `asset` through the cache, one stage at a time so that times can be compared, then the
-// tool `report` over them. Leaves report.json and report.html in out/ASSET, variants' packs and references in
-// out/ASSET/sweep. Returns report.json's content, nothing if interrupted. Variants that fail are in it;
+// comparison that its recipe names (`report`). Leaves its files (report.json, report.html) in out/ASSET, variants' packs and references in
+// out/ASSET/sweep. Returns the figures, nothing if interrupted. Variants that fail are in it;
 // throws Error(kBadInput) if none is left, and what is wrong with the sweep itself. The caller holds the lock
 // of the cache.
 std::optional<formats::Json> measureVariants(Workplace& workplace, const Request& request, const Asset& asset,

@@ -1,4 +1,4 @@
-// From a finished sweep to what the tool `report` reads.
+// From a finished sweep to what is read by the tool that compares its variants.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>

@@ -1,5 +1,7 @@
 #include "pipeline/report_recipe.h"
 
+#include <algorithm>
+
 #include "formats/error.h"
 
 namespace bakelight::pipeline {
@@ -31,6 +33,18 @@ Wire wireAt(const JsonObject& object, const std::string& key) {
   return {text.substr(0, dot), dot == std::string::npos ? "" : text.substr(dot + 1)};
 }
 
+// What goes into a tool that compares variants, and what comes out of it.
+constexpr const char* kPlanKind = "report_plan";
+constexpr const char* kFiguresKind = "report";
+
+std::string portOfKind(const std::vector<formats::PortDescription>& ports, const std::string& kind,
+                       const ErrorPlace& place) {
+  for (const formats::PortDescription& port : ports)
+    if (port.kind == kind) return port.name;
+  throw badInput(place, "this tool takes or gives no \"" + kind + "\"",
+                 "a tool that compares variants, such as report");
+}
+
 bool makes(const Recipe& recipe, const Wire& wire) {
   const auto stage = recipe.stages.find(wire.stage);
   return stage != recipe.stages.end() && stage->second.outputs.count(wire.port) > 0;
@@ -43,8 +57,9 @@ ReportRecipe::ReportRecipe(const Recipe& recipe, Problems& problems)
   if (recipe.report.empty())
     throw badInput({recipe.file, "", "/report"}, "the recipe does not say how its packs are measured",
                    "a section \"report\" (docs/REPORT.md)", "use a recipe that has one");
-  object_.allowKeys({"pack", "frame", "vary", "frame_parameters", "cameras", "reference", "truth", "chain"},
-                    problems);
+  object_.allowKeys(
+      {"pack", "frame", "vary", "frame_parameters", "cameras", "reference", "comparison", "truth", "chain"},
+      problems);
 }
 
 Wire ReportRecipe::pack() const {
@@ -82,6 +97,30 @@ ReportRecipe::Reference ReportRecipe::reference(Problems& problems) const {
   reference.output = outputs.keys().front();
   reference.file = outputs.text(reference.output);
   return reference;
+}
+
+Comparison ReportRecipe::comparison(Toolbox& tools, Problems& problems) const {
+  if (!object_.has("comparison"))
+    throw badInput({recipe_.file, "", "/report"}, "the recipe does not say what compares its packs",
+                   "\"comparison\": { \"tool\": …, \"outputs\": … } (docs/REPORT.md)",
+                   R"(add "comparison": { "tool": "report", "outputs": { "report": "report.json" } })");
+  const JsonObject object = object_.object("comparison");
+  object.allowKeys({"tool", "outputs"}, problems);
+  Comparison comparison{object.text("tool"), "", "", {}};
+  const formats::ToolDescription& tool = tools.require(comparison.tool, object.placeOf("tool")).description;
+  comparison.plan_input = portOfKind(tool.inputs, kPlanKind, object.placeOf("tool"));
+  comparison.figures_output = portOfKind(tool.outputs, kFiguresKind, object.placeOf("tool"));
+  const JsonObject outputs = object.object("outputs");
+  for (const std::string& port : outputs.keys()) {
+    if (std::none_of(tool.outputs.begin(), tool.outputs.end(),
+                     [&](const formats::PortDescription& output) { return output.name == port; }))
+      throw badInput(outputs.placeOf(port), comparison.tool + " has no output \"" + port + "\"");
+    comparison.files[port] = outputs.text(port);
+  }
+  if (comparison.files.count(comparison.figures_output) == 0)
+    throw badInput(object.placeOf("outputs"), "the figures go nowhere",
+                   "a file for \"" + comparison.figures_output + "\"");
+  return comparison;
 }
 
 ReportRecipe::Link ReportRecipe::truth() const {

@@ -12,6 +12,8 @@
 #include "pipeline/json_object.h"
 #include "pipeline/problems.h"
 #include "pipeline/recipe.h"
+#include "pipeline/sweep.h"
+#include "pipeline/toolbox.h"
 
 namespace bakelight::pipeline {
 
@@ -46,6 +48,7 @@ class ReportRecipe {
   JsonObject cameras() const;
   formats::Json frameParameters() const;
   Reference reference(Problems& problems) const;
+  Comparison comparison(Toolbox& tools, Problems& problems) const;
   Link truth() const;
   std::vector<Link> chain(Problems& problems) const;
 

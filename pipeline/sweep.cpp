@@ -38,6 +38,7 @@ class Planner {
     sweep_.pack_output = pack_.port;
     reference_ = how_.reference(problems_);
     sweep_.reference_output = reference_.output;
+    sweep_.comparison = how_.comparison(tools_, problems_);
     planVariants();
     problems_.throwIfAny();
     makeSweepGraph();

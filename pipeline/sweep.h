@@ -6,20 +6,21 @@
 //   "vary"               what varies unless somebody says it
 //   "frame_parameters"   of every picture; "cameras": by name, further parameters of the picture
 //   "reference"          a stage that makes ground truth: tool, inputs and its one output, as other stages
-//   have
-//                        them; "view.environment", "view.lights" are the light that is looked at, and
+//                        have them; "view.environment", "view.lights" are the light that is looked at, and
 //                        "truth.OUTPUT" is the picture that the truth itself does not have
+//   "comparison"         what compares the variants: tool, and the names of its outputs' files
 //   "truth"              { "set": settings, "reference": parameters }
 //   "chain"              list of { "cause", "set", "reference", "inputs" } from the truth to the variant.
-//   Links
-//                        with "reference" are path-traced on what the variant + set makes of the reference's
-//                        inputs, of which the link may add some; the others are packs of the variant + set.
+//                        Links with "reference" are path-traced on what the variant + set makes of the
+//                        reference's inputs, of which the link may add some; the others are packs of the
+//                        variant + set.
 // asset.json has a section "report", too: "lights" { name: file }, "cameras" and "vary", instead of the
 // recipe's.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,12 +54,21 @@ struct SweptVariant {
   std::vector<Link> chain;         // ends with the variant with nothing left out by measurement
 };
 
+// What compares the variants.
+struct Comparison {
+  std::string tool;
+  std::string plan_input;                    // port that takes the plan
+  std::string figures_output;                // port of the figures, which budgets choose by
+  std::map<std::string, std::string> files;  // names by output
+};
+
 struct Sweep {
   Graph graph;  // assets are variants, and what they are compared with; equal ones are one
   std::vector<View> views;
   std::vector<TaskIndex> truths;  // references, by view
   std::vector<SweptVariant> variants;
   std::string pack_output, reference_output;  // ports
+  Comparison comparison;
 };
 
 struct SweepOptions {
@@ -70,7 +80,7 @@ struct SweepOptions {
 Sweep planSweep(const Asset& asset, RecipeBook& recipes, Toolbox& tools, const SweepOptions& options,
                 Problems& problems);
 
-// What the tool `report` reads: every picture and pack by path and hash, and what each variant cost. Variants
+// What compares the variants reads: every picture and pack by path and hash, and what each variant cost. Variants
 // that failed are listed with the reason; a chain with a failed link is empty.
 formats::Json reportPlan(const std::string& asset, const Sweep& sweep, const std::vector<Outcome>& outcomes,
                          Memo& memo);

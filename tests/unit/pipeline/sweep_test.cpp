@@ -56,6 +56,7 @@ class SweepTest : public testing::Test, public BuildObserver {
         "reference": { "tool": "reference", "outputs": { "image": "reference.exr" },
                        "inputs": { "mesh": "simplify.simplified", "material": "asset.material",
                                    "environment": "view.environment", "framing": "truth.image" } },
+        "comparison": { "tool": "judge", "outputs": { "figures": "figures.json" } },
         "truth": { "set": { "simplify": { "triangles": 1000 } }, "reference": { "transport": "full" } },
         "chain": [
           { "cause": "simplification", "reference": { "transport": { "same_as": "transfer.transport" } } },
@@ -99,14 +100,18 @@ class SweepTest : public testing::Test, public BuildObserver {
               {port("image", "image")},
               {integer("width", 640), integer("yaw_deg", 0), text("transport", "full")}),
          joined("image")});
+    runner.install("judge", {tool("judge", {port("variants", "report_plan")},
+                                  {port("page", "page", false), port("figures", "report")}, {}),
+                             joined("figures")});
   }
 
   Sweep plan(const SweepOptions& options = {}) {
     workshop_.disk.write("recipes/prt.json", recipe_.dump());
+    recipes_.emplace("recipes", workshop_.disk);  // reads a recipe once
     Problems problems;
-    const std::vector<Asset> assets = findAssets({"assets/cube"}, "data", recipes_, workshop_.disk, problems);
+    const std::vector<Asset> assets = findAssets({"assets/cube"}, "data", *recipes_, workshop_.disk, problems);
     std::optional<Sweep> sweep;
-    problems.attempt([&] { sweep = planSweep(assets.at(0), recipes_, tools_, options, problems); });
+    problems.attempt([&] { sweep = planSweep(assets.at(0), *recipes_, tools_, options, problems); });
     problems.throwIfAny();
     return std::move(*sweep);
   }
@@ -135,7 +140,7 @@ class SweepTest : public testing::Test, public BuildObserver {
   Workshop workshop_;
   Json recipe_;
   Memo memo_{"out/.cache/memo.json", workshop_.disk};
-  RecipeBook recipes_{"recipes", workshop_.disk};
+  std::optional<RecipeBook> recipes_;
   Toolbox tools_{"tools", "processor", workshop_.disk, workshop_.runner, memo_};
 };
 
@@ -238,6 +243,34 @@ TEST_F(SweepTest, ARecipeThatDoesNotSayHowIsRefused) {
   EXPECT_THROW(plan(), ProblemsFound);
 }
 
+TEST_F(SweepTest, TheRecipeNamesWhatComparesItsPacks) {
+  const Comparison comparison = plan().comparison;
+  EXPECT_EQ(comparison.tool, "judge");
+  EXPECT_EQ(comparison.plan_input, "variants");
+  EXPECT_EQ(comparison.figures_output, "figures");
+  EXPECT_EQ(comparison.files.at("figures"), "figures.json");
+  const auto problemsOfPlan = [&] {
+    try {
+      plan();
+    } catch (const ProblemsFound& found) {
+      return std::string(found.what());
+    }
+    return std::string("accepted");
+  };
+  const auto mistake = [&](const Json& wrong) {
+    recipe_["report"]["comparison"] = wrong;
+    return problemsOfPlan();
+  };
+  EXPECT_THAT(mistake({{"tool", "player"}, {"outputs", {{"image", "a.png"}}}}),
+              HasSubstr("/comparison/tool"));
+  EXPECT_THAT(mistake({{"tool", "judge"}, {"outputs", {{"figurs", "a.json"}}}}),
+              HasSubstr("/outputs/figurs"));
+  EXPECT_THAT(mistake({{"tool", "judge"}, {"outputs", {{"page", "a.html"}}}}),
+              HasSubstr("the figures go nowhere"));
+  recipe_["report"].erase("comparison");
+  EXPECT_THAT(problemsOfPlan(), HasSubstr("does not say what compares its packs"));
+}
+
 TEST_F(SweepTest, ThePlanNamesEveryPictureAndWhatItCost) {
   const Json plan_json = reportPlanOf(plan());
   ASSERT_EQ(plan_json.at("variants").size(), 2u);
@@ -261,13 +294,8 @@ TEST_F(SweepTest, ThePlanNamesEveryPictureAndWhatItCost) {
 TEST_F(SweepTest, MistakesInTheRecipesChainAreTold) {
   for (const char* link : {"transfer.transprt", "transfr.transport", "transport", ""}) {
     recipe_["report"]["chain"][0]["reference"]["transport"]["same_as"] = link;
-    RecipeBook fresh("recipes", workshop_.disk);
-    workshop_.disk.write("recipes/prt.json", recipe_.dump());
-    Problems problems;
-    const auto assets = findAssets({"assets/cube"}, "data", fresh, workshop_.disk, problems);
-    problems.attempt([&] { planSweep(assets.at(0), fresh, tools_, {}, problems); });
     try {
-      problems.throwIfAny();
+      plan();
       ADD_FAILURE() << "accepted \"" << link << '"';
     } catch (const ProblemsFound& found) {
       EXPECT_THAT(found.what(), HasSubstr("there is no parameter"));
