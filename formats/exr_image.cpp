@@ -25,6 +25,8 @@
 #include <utility>
 #include <vector>
 
+#include "formats/image_checks.h"
+
 namespace bakelight::formats {
 namespace {
 
@@ -132,34 +134,63 @@ std::optional<std::map<std::string, std::string>> plainExrMetadata(const std::fi
   });
 }
 
-Bytes encodedExr(const Image& image, ExrPrecision precision,
-                 const std::map<std::string, std::string>& metadata) {
-  const Imf::PixelType type = precision == ExrPrecision::kHalf ? Imf::HALF : Imf::FLOAT;
-  Imf::Header header(image.width, image.height);
+std::unique_ptr<Imf::MultiPartInputFile> openPlainExr(const std::filesystem::path& path, std::size_t values) {
+  const auto fail = [&](const std::string& problem) {
+    return badInput({path.string(), "", ""}, problem, "an OpenEXR file of one flat part");
+  };
+  if (!std::filesystem::is_regular_file(path)) throw fail("there is no such file");
+  if (!Imf::isOpenExrFile(path.c_str())) throw fail("it is no OpenEXR file");
+  try {
+    auto file = std::make_unique<Imf::MultiPartInputFile>(path.c_str(), threadsFor(values));
+    if (file->parts() == 1 && isPlain(file->header(0))) return file;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw unreadableImage(path.string(), error.what());
+  }
+  throw fail("it has several parts, is deep, subsampled, turned, or does not fill its frame");
+}
+
+namespace {
+
+// `T` has the size of a value of `type`; `values` are as in Image.
+template <class T>
+Bytes encode(Imf::PixelType type, const T* values, int width, int height,
+             const std::vector<std::string>& names, const std::map<std::string, std::string>& metadata) {
+  Imf::Header header(width, height);
   header.compression() = Imf::ZIP_COMPRESSION;
-  for (const std::string& name : image.channel_names) header.channels().insert(name, Imf::Channel(type));
+  for (const std::string& name : names) header.channels().insert(name, Imf::Channel(type));
   for (const auto& [key, value] : metadata)
     if (!value.empty()) header.insert(key, Imf::StringAttribute(value));
-  const std::size_t channels = image.channelCount();
-  std::vector<half> halves;
-  if (precision == ExrPrecision::kHalf) halves.assign(image.values.begin(), image.values.end());
-  const std::size_t size = precision == ExrPrecision::kHalf ? sizeof(half) : sizeof(float);
-  auto* first = precision == ExrPrecision::kHalf
-                    ? reinterpret_cast<char*>(halves.data())
-                    : reinterpret_cast<char*>(const_cast<float*>(image.values.data()));
+  const std::size_t texel = names.size() * sizeof(T), row = texel * static_cast<std::size_t>(width);
+  auto* first = reinterpret_cast<char*>(const_cast<T*>(values));
   Imf::FrameBuffer frame;
-  for (std::size_t c = 0; c < channels; ++c)
-    frame.insert(image.channel_names[c], Imf::Slice(type, first + c * size, channels * size,
-                                                    channels * size * static_cast<std::size_t>(image.width)));
+  for (std::size_t c = 0; c < names.size(); ++c)
+    frame.insert(names[c], Imf::Slice(type, first + c * sizeof(T), texel, row));
   Imf::StdOSStream stream;
   {
-    Imf::OutputFile file(stream, header, threadsFor(image.values.size()));
+    Imf::OutputFile file(stream, header, threadsFor(static_cast<std::size_t>(height) * row / sizeof(T)));
     file.setFrameBuffer(frame);
-    file.writePixels(image.height);
+    file.writePixels(height);
   }
   const std::string text = stream.str();
   const auto bytes = std::as_bytes(std::span(text.data(), text.size()));
   return Bytes(bytes.begin(), bytes.end());
+}
+
+}  // namespace
+
+Bytes encodedExr(const Image& image, ExrPrecision precision,
+                 const std::map<std::string, std::string>& metadata) {
+  const auto encoded = [&](Imf::PixelType type, const auto* values) {
+    return encode(type, values, image.width, image.height, image.channel_names, metadata);
+  };
+  if (precision == ExrPrecision::kFloat) return encoded(Imf::FLOAT, image.values.data());
+  return encoded(Imf::HALF, std::vector<half>(image.values.begin(), image.values.end()).data());
+}
+
+Bytes encodedExr(const IndexImage& image, const std::map<std::string, std::string>& metadata) {
+  return encode(Imf::UINT, image.values.data(), image.width, image.height, image.channel_names, metadata);
 }
 
 }  // namespace bakelight::formats

@@ -1,13 +1,17 @@
 // Ordinary OpenEXR files straight through the OpenEXR library. Private to formats/.
 #pragma once
 
+#include <OpenEXR/ImfForward.h>
+
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "formats/file.h"
 #include "formats/image.h"
+#include "formats/index_image.h"
 
 namespace bakelight::formats {
 
@@ -22,5 +26,13 @@ std::optional<std::map<std::string, std::string>> plainExrMetadata(const std::fi
 // The bytes of a file: scan lines, zip compression. The same on any number of threads.
 Bytes encodedExr(const Image& image, ExrPrecision precision,
                  const std::map<std::string, std::string>& metadata);
+
+// Channels of 32-bit unsigned integers.
+Bytes encodedExr(const IndexImage& image, const std::map<std::string, std::string>& metadata);
+
+// An OpenEXR file of one flat part that fills its frame, and so many threads for so many values. Throws
+// Error(kBadInput) naming the file for any other.
+std::unique_ptr<Imf::MultiPartInputFile> openPlainExr(const std::filesystem::path& path,
+                                                          std::size_t values);
 
 }  // namespace bakelight::formats

@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "formats/error.h"
-#include "tools/dilate/nearest_texel.h"
 #include "tools/dilate/push_pull.h"
+#include "transport/nearest_texel.h"
 
 namespace bakelight::dilate {
 
@@ -30,7 +30,7 @@ Dilation dilated(formats::Image image, std::span<const std::uint8_t> covered, co
     throw std::logic_error("coverage and image differ in size");
   const int width = image.width;
   const std::size_t channels = image.channelCount();
-  const std::vector<std::uint32_t> nearest = nearestTexels(covered, width, image.height);
+  const std::vector<std::uint32_t> nearest = transport::nearestTexels(covered, width, image.height);
   const bool averages = options.method == Method::kPushPull;
   const formats::Image filled = averages ? pushPull(image, covered) : formats::Image();
 

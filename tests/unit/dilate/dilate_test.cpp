@@ -10,7 +10,7 @@
 #include "formats/error.h"
 #include "tests/support/shell.h"
 #include "tests/support/temporary_folder.h"
-#include "tools/dilate/nearest_texel.h"
+#include "transport/nearest_texel.h"
 
 using namespace bakelight;
 using dilate::dilated;
@@ -44,7 +44,7 @@ TEST(NearestTexels, AreThoseOfASearchThroughAll) {
                                                    {31, 31, 0.005, 5u},
                                                    {20, 20, 0.0, 6u}}) {
     const auto members = randomMembers(width, height, share, seed);
-    const auto nearest = dilate::nearestTexels(members, width, height);
+    const auto nearest = transport::nearestTexels(members, width, height);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
         auto best = std::tuple(1 << 30, 0, 0);  // squared distance, column, row
@@ -64,7 +64,7 @@ TEST(Dilate, CoveredTexelsKeepTheirBitsAndOthersAreCopies) {
   const Image image = randomImage(33, 20, 1);
   const auto covered = randomMembers(33, 20, 0.1, 2);
   const dilate::Dilation result = dilated(image, covered, {Method::kNearest, 0});
-  const auto nearest = dilate::nearestTexels(covered, 33, 20);
+  const auto nearest = transport::nearestTexels(covered, 33, 20);
   const auto holes = std::count(covered.begin(), covered.end(), 0);
   EXPECT_EQ(result.filled, holes);
   for (std::size_t i = 0; i < covered.size(); ++i)

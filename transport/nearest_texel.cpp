@@ -1,8 +1,8 @@
-#include "tools/dilate/nearest_texel.h"
+#include "transport/nearest_texel.h"
 
 #include <tbb/parallel_for.h>
 
-namespace bakelight::dilate {
+namespace bakelight::transport {
 namespace {
 
 constexpr std::int32_t kNone = -1;
@@ -90,4 +90,4 @@ std::vector<std::uint32_t> nearestTexels(std::span<const std::uint8_t> members, 
   return nearest;
 }
 
-}  // namespace bakelight::dilate
+}  // namespace bakelight::transport

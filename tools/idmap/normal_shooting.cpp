@@ -1,0 +1,245 @@
+#include "tools/idmap/normal_shooting.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "tools/idmap/nearest_points.h"
+#include "transport/morton.h"
+#include "transport/vector_types.h"
+
+namespace bakelight::idmap {
+namespace {
+
+using transport::Vec3;
+using transport::vec3;
+
+constexpr double kHeightFactor = 4;
+
+// For points along a Morton curve, the first of each run at one place.
+std::vector<std::uint32_t> placesAlongCurve(std::span<const Float3> positions) {
+  std::vector<std::uint32_t> place(positions.size());
+  for (std::size_t i = 0; i < place.size(); ++i)
+    place[i] = i > 0 && positions[i] == positions[i - 1] ? place[i - 1] : static_cast<std::uint32_t>(i);
+  return place;
+}
+
+// Neighbors of vertices by edges of triangles, of all vertices at a place alike.
+class Adjacency {
+ public:
+  Adjacency() = default;
+  // `rank`: what the triangles' vertices are called here.
+  Adjacency(std::span<const formats::Triangle> triangles, std::vector<std::uint32_t> place,
+            std::span<const std::uint32_t> rank)
+      : place_(std::move(place)), first_(place_.size() + 1, 0), triangles_(triangles.size()) {
+    tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t t) {
+      for (std::size_t k = 0; k < 3; ++k) triangles_[t][k] = place_[rank[triangles[t][k]]];
+    });
+    for (const formats::Triangle& triangle : triangles_)
+      for (const std::uint32_t a : triangle) ++first_[a + 1];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    of_vertex_.resize(first_.back());
+    std::vector<std::uint32_t> end(first_.begin(), first_.end() - 1);
+    for (std::size_t t = 0; t < triangles_.size(); ++t)
+      for (const std::uint32_t a : triangles_[t]) of_vertex_[end[a]++] = static_cast<std::uint32_t>(t);
+  }
+
+  // Whether they are at one place or an edge joins them.
+  bool connected(std::uint32_t a, std::uint32_t b) const {
+    if (a == b) return true;
+    a = place_[a], b = place_[b];
+    if (a == b) return true;
+    return std::any_of(of_vertex_.begin() + first_[a], of_vertex_.begin() + first_[a + 1],
+                       [&](std::uint32_t t) {
+                         const formats::Triangle& corners = triangles_[t];
+                         return corners[0] == b || corners[1] == b || corners[2] == b;
+                       });
+  }
+
+ private:
+  std::vector<std::uint32_t> place_, first_;
+  std::vector<formats::Triangle> triangles_;  // by place
+  std::vector<std::uint32_t> of_vertex_;      // triangles; those of vertex v from first_[v] on
+};
+
+}  // namespace
+
+void ShotFigures::add(const ShotFigures& more) {
+  shots += more.shots;
+  widened += more.widened;
+  other_sheets += more.other_sheets;
+  distance_sum += more.distance_sum;
+  farthest = std::max(farthest, more.farthest);
+}
+
+struct NormalShooting::Implementation {
+  struct Vertex {
+    Float3 position, normal;
+    std::uint32_t material, index;  // index: in the mesh
+  };
+  // One that may be taken.
+  struct Candidate {
+    std::uint32_t vertex;  // in `vertices`
+    double line_squared, sheet_squared;
+  };
+
+  struct Search {
+    std::vector<Float3> positions = {};
+    std::vector<std::uint32_t> nearest = {};
+    std::vector<Candidate> candidates = {};
+  };
+
+  std::vector<Vertex> vertices;  // along a Morton curve, so that neighbors lie near each other in memory
+  Adjacency adjacency;
+  std::size_t neighbors;
+  std::unique_ptr<NearestPoints> nearest_points;
+
+  Implementation(const MesoSurface& surface, std::size_t k);
+
+  // Of `points` those that the shot may take.
+  void choose(const Shot& shot, std::span<const std::uint32_t> points,
+              std::vector<Candidate>& candidates) const {
+    candidates.clear();
+    const Vec3 normal = vec3(shot.normal), position = vec3(shot.position);
+    for (const std::uint32_t i : points) {
+      const Vertex& vertex = vertices[i];
+      if (shot.material && vertex.material != *shot.material) continue;
+      if (!(normal.dot(vec3(vertex.normal)) > 0)) continue;
+      const Vec3 way = vec3(vertex.position) - position;
+      const double height = way.dot(normal);
+      const double line = (way - height * normal).squaredNorm();
+      candidates.push_back({i, line, line + kHeightFactor * kHeightFactor * height * height});
+    }
+  }
+
+  // Of equal values the vertex that comes first in the mesh.
+  template <double Candidate::*kValue>
+  std::size_t least(const std::vector<Candidate>& candidates) const {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < candidates.size(); ++i) {
+      const double value = candidates[i].*kValue, least = candidates[best].*kValue;
+      if (value < least ||
+          (value == least && vertices[candidates[i].vertex].index < vertices[candidates[best].vertex].index))
+        best = i;
+    }
+    return best;
+  }
+
+  // Leaves those that hang together with candidate `start`.
+  void keepSheetOf(std::size_t start, std::vector<Candidate>& candidates) const {
+    std::swap(candidates[0], candidates[start]);
+    std::size_t end = 1;  // those before it are of the sheet
+    for (std::size_t i = 0; i < end; ++i)
+      for (std::size_t j = end; j < candidates.size(); ++j)
+        if (adjacency.connected(candidates[i].vertex, candidates[j].vertex))
+          std::swap(candidates[end++], candidates[j]);
+    candidates.resize(end);
+  }
+
+  std::uint32_t taken(const Candidate& candidate, ShotFigures& figures) const {
+    const double distance = std::sqrt(candidate.line_squared);
+    figures.distance_sum += distance;
+    figures.farthest = std::max(figures.farthest, distance);
+    return vertices[candidate.vertex].index;
+  }
+
+  // Of candidates, of which there are some.
+  std::uint32_t take(std::vector<Candidate>& candidates, ShotFigures& figures) const {
+    std::size_t best = least<&Candidate::line_squared>(candidates);
+    const std::size_t sheet = least<&Candidate::sheet_squared>(candidates);
+    const std::uint32_t nearest = candidates[best].vertex;
+    if (!adjacency.connected(nearest, candidates[sheet].vertex)) {
+      keepSheetOf(sheet, candidates);
+      best = least<&Candidate::line_squared>(candidates);
+      figures.other_sheets += candidates[best].vertex != nearest ? 1 : 0;
+    }
+    return taken(candidates[best], figures);
+  }
+
+  // Without finding out which of the group's points are the k nearest, where what is taken is surely one of
+  // them: nearly always.
+  std::optional<std::uint32_t> takeAtOnce(const Shot& shot, const NearestPoints::Group& group,
+                                          std::vector<Candidate>& candidates, ShotFigures& figures) const {
+    choose(shot, group.points, candidates);
+    if (candidates.empty()) return {};
+    const Candidate &best = candidates[least<&Candidate::line_squared>(candidates)],
+                    &sheet = candidates[least<&Candidate::sheet_squared>(candidates)];
+    const double reach = group.reach - std::sqrt(squaredDistance(shot.position, group.center));
+    const auto isSure = [&](const Candidate& candidate) {
+      return squaredDistance(shot.position, vertices[candidate.vertex].position) < reach * reach;
+    };
+    if (reach <= 0 || !isSure(best) || !isSure(sheet) || !adjacency.connected(best.vertex, sheet.vertex))
+      return {};
+    return taken(best, figures);
+  }
+
+  std::uint32_t take(const Shot& shot, const NearestPoints::Group& group, std::size_t k, Search& work,
+                     ShotFigures& figures) const {
+    if (const auto vertex = takeAtOnce(shot, group, work.candidates, figures)) return *vertex;
+    work.nearest.assign(group.points.begin(), group.points.end());
+    nearest_points->keepNearest(shot.position, k, work.nearest);
+    choose(shot, work.nearest, work.candidates);
+    return work.candidates.empty() ? shootFarther(shot, figures) : take(work.candidates, figures);
+  }
+
+  std::uint32_t shootFarther(const Shot& shot, ShotFigures& figures) const {
+    ++figures.widened;
+    Search work;
+    const std::size_t most = std::min(kMostNeighbors, vertices.size());
+    for (std::size_t k = std::min(neighbors, most); k < most;) {
+      k = std::min(4 * k, most);
+      NearestPoints::Walk walk(*nearest_points, {&shot.position, 1}, k);
+      walk.next();
+      work.nearest.assign(walk.group().points.begin(), walk.group().points.end());
+      nearest_points->keepNearest(shot.position, k, work.nearest);
+      choose(shot, work.nearest, work.candidates);
+      if (!work.candidates.empty()) return take(work.candidates, figures);
+    }
+    return kNone;
+  }
+};
+
+NormalShooting::Implementation::Implementation(const MesoSurface& surface, std::size_t k) : neighbors(k) {
+  const formats::TriangleMesh& mesh = surface.mesh;
+  const std::vector<std::uint32_t> order = transport::mortonOrder(mesh.positions);
+  std::vector<std::uint32_t> rank(order.size());
+  std::vector<Float3> positions(order.size());
+  vertices.resize(order.size());
+  tbb::parallel_for(std::size_t{0}, order.size(), [&](std::size_t i) {
+    const std::uint32_t v = order[i];
+    rank[v] = static_cast<std::uint32_t>(i);
+    positions[i] = mesh.positions[v];
+    vertices[i] = {positions[i], mesh.normals[v], surface.materials.empty() ? 0 : surface.materials[v], v};
+  });
+  if (vertices.empty()) return;
+  tbb::parallel_invoke([&] { nearest_points = std::make_unique<NearestPoints>(positions); },
+                       [&] { adjacency = Adjacency(mesh.triangles, placesAlongCurve(positions), rank); });
+}
+
+NormalShooting::NormalShooting(const MesoSurface& surface, std::size_t neighbors)
+    : implementation_(std::make_unique<Implementation>(surface, neighbors)) {}
+
+NormalShooting::~NormalShooting() = default;
+
+ShotFigures NormalShooting::shoot(std::span<const Shot> shots, std::span<std::uint32_t> vertices) const {
+  const Implementation& own = *implementation_;
+  ShotFigures figures;
+  figures.shots = shots.size();
+  if (own.vertices.empty()) std::fill(vertices.begin(), vertices.end(), kNone);
+  if (shots.empty() || own.vertices.empty()) return figures;
+  thread_local Implementation::Search work;
+  work.positions.clear();
+  for (const Shot& shot : shots) work.positions.push_back(shot.position);
+  const std::size_t k = std::min(own.neighbors, own.vertices.size());
+  NearestPoints::Walk walk(*own.nearest_points, work.positions, k);
+  for (std::size_t s = 0; walk.next();)
+    for (std::size_t i = 0; i < walk.group().queries.size(); ++i, ++s)
+      vertices[s] = own.take(shots[s], walk.group(), k, work, figures);
+  return figures;
+}
+
+}  // namespace bakelight::idmap
