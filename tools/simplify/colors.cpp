@@ -10,7 +10,7 @@
 #include "formats/error.h"
 #include "formats/materials.h"
 #include "tools/simplify/albedo_map.h"
-#include "tools/simplify/surface_query.h"
+#include "transport/surface_query.h"
 
 namespace bakelight::simplify {
 

@@ -6,7 +6,7 @@
 
 namespace bakelight::simplify {
 
-CornerMesh::CornerMesh(const WorkingMesh& mesh)
+CornerMesh::CornerMesh(const SurfaceMesh& mesh)
     : positions(mesh.positions),
       triangles(mesh.triangles),
       opposite(3 * mesh.triangles.size(), kNone),

@@ -15,7 +15,7 @@ namespace bakelight::simplify {
 class CornerMesh {
  public:
   // All TBB threads.
-  explicit CornerMesh(const WorkingMesh& mesh);
+  explicit CornerMesh(const SurfaceMesh& mesh);
 
   std::vector<Vec3> positions;
   std::vector<Triangle> triangles;         // a removed one has kNone for its first corner

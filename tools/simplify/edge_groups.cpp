@@ -8,7 +8,7 @@
 
 namespace bakelight::simplify {
 
-EdgeGroups::EdgeGroups(const WorkingMesh& mesh) : sides_(3 * mesh.triangles.size()) {
+EdgeGroups::EdgeGroups(const SurfaceMesh& mesh) : sides_(3 * mesh.triangles.size()) {
   struct Ends {
     std::uint32_t least, greatest;
   };

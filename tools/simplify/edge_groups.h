@@ -25,7 +25,7 @@ constexpr Side previousSide(Side s) {
 // order. All TBB threads, linear in the number of triangles where no vertex joins very many.
 class EdgeGroups {
  public:
-  explicit EdgeGroups(const WorkingMesh& mesh);
+  explicit EdgeGroups(const SurfaceMesh& mesh);
 
   std::size_t count() const { return first_.size() - 1; }
   std::span<const Side> group(std::size_t g) const {

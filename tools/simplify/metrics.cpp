@@ -23,7 +23,7 @@ double minAngle(const WorkingMesh& mesh, std::size_t t) {
 }
 
 // Greatest and mean distance from samples of one surface to the other.
-Deviation oneWay(const WorkingMesh& from, const SurfaceQuery& to, std::size_t samples) {
+Deviation oneWay(const SurfaceMesh& from, const SurfaceQuery& to, std::size_t samples) {
   std::vector<Vec3> points = from.positions;
   for (const SurfaceSample& sample : surfaceSamples(from, samples)) points.push_back(sample.position);
   std::vector<double> distances(points.size());
@@ -47,7 +47,7 @@ Deviation oneWay(const WorkingMesh& from, const SurfaceQuery& to, std::size_t sa
 
 }  // namespace
 
-double area(const WorkingMesh& mesh) {
+double area(const SurfaceMesh& mesh) {
   double sum = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) sum += mesh.areaVector(t).norm() / 2;
   return sum;
@@ -64,13 +64,13 @@ double volume(const WorkingMesh& mesh) {
   return sum;
 }
 
-double boundingBoxDiagonal(const WorkingMesh& mesh) {
+double boundingBoxDiagonal(const SurfaceMesh& mesh) {
   Eigen::AlignedBox3d box;
   for (const Vec3& position : mesh.positions) box.extend(position);
   return box.isEmpty() ? 0.0 : box.diagonal().norm();
 }
 
-std::vector<SurfaceSample> surfaceSamples(const WorkingMesh& mesh, std::size_t count) {
+std::vector<SurfaceSample> surfaceSamples(const SurfaceMesh& mesh, std::size_t count) {
   // The R2 sequence (Roberts 2018).
   constexpr double kStepU = 0.7548776662466927, kStepV = 0.5698402909980532;
   std::vector<SurfaceSample> samples;

@@ -5,15 +5,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "tools/simplify/surface_query.h"
 #include "tools/simplify/working_mesh.h"
+#include "transport/surface_query.h"
 
 namespace bakelight::simplify {
 
-double area(const WorkingMesh& mesh);
+double area(const SurfaceMesh& mesh);
 // Signed volume enclosed, about the bounding box's centre; meaningful for closed meshes.
 double volume(const WorkingMesh& mesh);
-double boundingBoxDiagonal(const WorkingMesh& mesh);
+double boundingBoxDiagonal(const SurfaceMesh& mesh);
 
 // Points spread over the surface: `count` of them (to rounding), stratified by area in triangle order, placed
 // in their triangles by a fixed low-discrepancy sequence.
@@ -21,7 +21,7 @@ struct SurfaceSample {
   Vec3 position;
   std::uint32_t triangle;
 };
-std::vector<SurfaceSample> surfaceSamples(const WorkingMesh& mesh, std::size_t count);
+std::vector<SurfaceSample> surfaceSamples(const SurfaceMesh& mesh, std::size_t count);
 
 // The smallest angle of each triangle: its mean and its minimum over the mesh, degrees (60 at best). A
 // triangle without area has 0.

@@ -18,7 +18,7 @@
 
 #include "tools/simplify/parallel_lists.h"
 #include "tools/simplify/samples.h"
-#include "tools/simplify/triangle_distance.h"
+#include "transport/triangle_distance.h"
 
 namespace bakelight::simplify {
 namespace {
@@ -153,7 +153,7 @@ class Relaxation {
       const double height = prepared.normal.dot(from_a);
       return {triangle, {1 - b - c, b, c}, height * height};
     }
-    const Vec3 weights = closestWeights(t.a, t.b, t.c, sample);
+    const Vec3 weights = transport::closestWeights(t.a, t.b, t.c, sample);
     return {triangle, weights,
             (weights[0] * t.a + weights[1] * t.b + weights[2] * t.c - sample).squaredNorm()};
   }
@@ -205,7 +205,7 @@ class Relaxation {
 
 bool Relaxation::insert(std::uint32_t triangle, const Vec3& place) {
   const auto [a, b, c] = mesh_.triangles[triangle];
-  const Vec3 weights = closestWeights(position(a), position(b), position(c), place);
+  const Vec3 weights = transport::closestWeights(position(a), position(b), position(c), place);
   Eigen::Index least = 0;
   const double smallest = weights.minCoeff(&least);
   if (weights.maxCoeff() > 1 - kInsertMargin) return false;  // too near a vertex

@@ -4,7 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include "tools/simplify/metrics.h"
-#include "tools/simplify/triangle_distance.h"
+#include "transport/triangle_distance.h"
 
 namespace bakelight::simplify {
 namespace {
@@ -18,7 +18,7 @@ constexpr int kMaxSteps = 16;
 }  // namespace
 
 Samples::Samples(const SurfaceQuery& original, std::size_t min_count) {
-  const WorkingMesh& mesh = original.mesh();
+  const SurfaceMesh& mesh = original.mesh();
   positions_ = mesh.positions;
   normals_.assign(mesh.positions.size(), Vec3::Zero());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -33,7 +33,7 @@ Samples::Samples(const SurfaceQuery& original, std::size_t min_count) {
 }
 
 void Samples::assign(const CornerMesh& mesh) {
-  WorkingMesh surface;
+  SurfaceMesh surface;
   surface.positions = mesh.positions;
   surface.triangles = mesh.triangles;
   const SurfaceQuery query(std::move(surface));
@@ -74,7 +74,7 @@ Samples::Foot Samples::walked(const CornerMesh& mesh, std::uint32_t triangle, co
     const Triangle& corners = mesh.triangles[t];
     const Vec3 &a = mesh.positions[corners[0]], &b = mesh.positions[corners[1]],
                &c = mesh.positions[corners[2]];
-    weights = closestWeights(a, b, c, position);
+    weights = transport::closestWeights(a, b, c, position);
     return (weights[0] * a + weights[1] * b + weights[2] * c - position).squaredNorm();
   };
   Foot foot{triangle, distance2(triangle)};

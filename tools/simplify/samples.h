@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/simplify/corner_mesh.h"
-#include "tools/simplify/surface_query.h"
+#include "transport/surface_query.h"
 
 namespace bakelight::simplify {
 

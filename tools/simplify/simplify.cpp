@@ -15,9 +15,9 @@
 #include "tools/simplify/normals.h"
 #include "tools/simplify/refine.h"
 #include "tools/simplify/relax.h"
-#include "tools/simplify/surface_query.h"
 #include "tools/simplify/texcoords.h"
 #include "tools/stage/stopwatch.h"
+#include "transport/surface_query.h"
 
 namespace bakelight::simplify {
 namespace {

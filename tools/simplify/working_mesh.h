@@ -3,24 +3,30 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "formats/triangle_mesh.h"
+#include "transport/surface_query.h"
 #include "transport/vector_types.h"
 
 namespace bakelight::simplify {
 
 using formats::Triangle;
+using transport::SurfaceMesh;
+using transport::SurfacePoint;
+using transport::SurfaceQuery;
 using transport::Vec3;
 
 inline constexpr std::uint32_t kFirstSheet = std::uint32_t{1} << 31;
 
-struct WorkingMesh {
-  std::vector<Vec3> positions;
-  std::vector<Triangle> triangles;  // counter-clockwise seen from outside
-  // Of each triangle; empty where there are none. From kFirstSheet on, what the triangle shows on its two
-  // sides is an entry of `sheets`.
-  std::vector<std::uint32_t> materials = {};
+// From kFirstSheet on, a material says what the triangle shows on its two sides: an entry of `sheets`.
+struct WorkingMesh : SurfaceMesh {
+  WorkingMesh() = default;
+  WorkingMesh(std::vector<Vec3> places, std::vector<Triangle> corners,
+              std::vector<std::uint32_t> materials_of_triangles = {})
+      : SurfaceMesh{std::move(places), std::move(corners), std::move(materials_of_triangles)} {}
+
   struct Sheet {
     std::uint32_t front, back;  // materials
   };
@@ -28,11 +34,6 @@ struct WorkingMesh {
 
   bool isSheet(std::size_t triangle) const {
     return !materials.empty() && materials[triangle] >= kFirstSheet;
-  }
-  const Vec3& corner(std::size_t triangle, int k) const { return positions[triangles[triangle][k]]; }
-  // Twice the area, along the normal.
-  Vec3 areaVector(std::size_t triangle) const {
-    return (corner(triangle, 1) - corner(triangle, 0)).cross(corner(triangle, 2) - corner(triangle, 0));
   }
 };
 

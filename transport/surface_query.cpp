@@ -1,4 +1,4 @@
-#include "tools/simplify/surface_query.h"
+#include "transport/surface_query.h"
 
 #include <embree3/rtcore.h>
 
@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "tools/simplify/triangle_distance.h"
+#include "transport/triangle_distance.h"
 
-namespace bakelight::simplify {
+namespace bakelight::transport {
 namespace {
 
 // Search radius beyond the best distance found, relative and (in units of the query's coordinates) absolute.
@@ -21,7 +21,7 @@ constexpr double kMarginUnit = 1e-6;
 }  // namespace
 
 struct SurfaceQuery::Implementation {
-  WorkingMesh mesh;
+  SurfaceMesh mesh;
   std::vector<Vec3> normals;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
@@ -131,7 +131,7 @@ SurfacePoint SurfaceQuery::Implementation::run(Search search) const {
   return search.result();
 }
 
-SurfaceQuery::SurfaceQuery(WorkingMesh mesh) : implementation_(std::make_unique<Implementation>()) {
+SurfaceQuery::SurfaceQuery(SurfaceMesh mesh) : implementation_(std::make_unique<Implementation>()) {
   Implementation& self = *implementation_;
   self.mesh = std::move(mesh);
   self.normals.reserve(self.mesh.triangles.size());
@@ -145,13 +145,14 @@ SurfaceQuery::SurfaceQuery(WorkingMesh mesh) : implementation_(std::make_unique<
   const RTCGeometry geometry = rtcNewGeometry(self.device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), self.mesh.positions.size()));
-  auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle), self.mesh.triangles.size()));
+  auto* indices = static_cast<std::uint32_t*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(formats::Triangle),
+                              self.mesh.triangles.size()));
   if (vertices == nullptr || indices == nullptr) throw std::bad_alloc();
   for (const Vec3& position : self.mesh.positions) {
     for (int k = 0; k < 3; ++k) *vertices++ = static_cast<float>(position[k]);
   }
-  for (const Triangle& triangle : self.mesh.triangles)
+  for (const formats::Triangle& triangle : self.mesh.triangles)
     indices = std::copy(triangle.begin(), triangle.end(), indices);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(self.scene, geometry);
@@ -200,7 +201,7 @@ bool SurfaceQuery::within(const Vec3& position, double distance) const {
   return probe.found;
 }
 
-const WorkingMesh& SurfaceQuery::mesh() const {
+const SurfaceMesh& SurfaceQuery::mesh() const {
   return implementation_->mesh;
 }
 
@@ -208,4 +209,4 @@ const Vec3& SurfaceQuery::triangleNormal(std::uint32_t triangle) const {
   return implementation_->normals[triangle];
 }
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::transport

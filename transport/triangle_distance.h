@@ -6,16 +6,15 @@
 
 #include "transport/vector_types.h"
 
-namespace bakelight::simplify {
+namespace bakelight::transport {
 
 // Barycentric weights (sum 1) of the point of triangle abc closest to p, by the Voronoi region p lies in:
 // Ericson, Real-Time Collision Detection, 5.1.5. A triangle without area acts as its longest side.
-inline transport::Vec3 closestWeights(const transport::Vec3& a, const transport::Vec3& b,
-                                      const transport::Vec3& c, const transport::Vec3& p) {
-  const transport::Vec3 ab = b - a, ac = c - a, ap = p - a;
+inline Vec3 closestWeights(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
+  const Vec3 ab = b - a, ac = c - a, ap = p - a;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
   if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
-  const transport::Vec3 bp = p - b;
+  const Vec3 bp = p - b;
   const double d3 = ab.dot(bp), d4 = ac.dot(bp);
   if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
   const double vc = d1 * d4 - d3 * d2;
@@ -23,7 +22,7 @@ inline transport::Vec3 closestWeights(const transport::Vec3& a, const transport:
     const double v = d1 / (d1 - d3);
     return {1 - v, v, 0};
   }
-  const transport::Vec3 cp = p - c;
+  const Vec3 cp = p - c;
   const double d5 = ab.dot(cp), d6 = ac.dot(cp);
   if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
   const double vb = d5 * d2 - d1 * d6;
@@ -40,4 +39,4 @@ inline transport::Vec3 closestWeights(const transport::Vec3& a, const transport:
   return {va / sum, vb / sum, vc / sum};
 }
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::transport

@@ -4,10 +4,25 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
-#include "tools/simplify/working_mesh.h"
+#include "formats/triangle_mesh.h"
+#include "transport/vector_types.h"
 
-namespace bakelight::simplify {
+namespace bakelight::transport {
+
+// A surface in double precision: positions, and materials where they matter.
+struct SurfaceMesh {
+  std::vector<Vec3> positions;
+  std::vector<formats::Triangle> triangles;   // counter-clockwise seen from outside
+  std::vector<std::uint32_t> materials = {};  // of each triangle; empty where there are none
+
+  const Vec3& corner(std::size_t triangle, int k) const { return positions[triangles[triangle][k]]; }
+  // Twice the area, along the normal.
+  Vec3 areaVector(std::size_t triangle) const {
+    return (corner(triangle, 1) - corner(triangle, 0)).cross(corner(triangle, 2) - corner(triangle, 0));
+  }
+};
 
 struct SurfacePoint {
   bool valid = false;  // false only if no triangle qualifies
@@ -24,7 +39,7 @@ struct SurfacePoint {
 class SurfaceQuery {
  public:
   // Keeps its own copy of the mesh.
-  explicit SurfaceQuery(WorkingMesh mesh);
+  explicit SurfaceQuery(SurfaceMesh mesh);
   ~SurfaceQuery();
   SurfaceQuery(const SurfaceQuery&) = delete;
   SurfaceQuery& operator=(const SurfaceQuery&) = delete;
@@ -46,7 +61,7 @@ class SurfaceQuery {
   // Whether any point of the surface is that near.
   bool within(const Vec3& position, double distance) const;
 
-  const WorkingMesh& mesh() const;
+  const SurfaceMesh& mesh() const;
   const Vec3& triangleNormal(std::uint32_t triangle) const;  // unit; zero for a triangle without area
 
  private:
@@ -54,4 +69,4 @@ class SurfaceQuery {
   std::unique_ptr<Implementation> implementation_;
 };
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::transport
