@@ -356,6 +356,19 @@ Comparison compareMeshes(const TriangleMesh& mesh, const TriangleMesh& reference
   return comparison;
 }
 
+Comparison compareMesoMeshes(const MesoMesh& meso, const MesoMesh& reference, const CompareLimits& limits) {
+  Comparison comparison = compareMeshes(meso.mesh, reference.mesh, limits);
+  agree(comparison, "symmetry", meso.symmetry, reference.symmetry);
+  if (meso.tangents.size() != reference.tangents.size()) return comparison;
+  addAttribute(comparison, "tangents", meso.tangents, reference.tangents, limits);
+  addAttribute(comparison, "places on the exemplar", meso.patch, reference.patch, limits);
+  for (std::size_t v = 0; v < meso.materials.size(); ++v)
+    if (!agree(comparison, "vertex " + std::to_string(v) + ", material", meso.materials[v],
+               reference.materials[v]))
+      break;
+  return comparison;
+}
+
 Comparison compareImages(const Image& image, const Image& reference, const CompareLimits& limits) {
   Comparison comparison;
   bool same_shape = agree(comparison, "width", image.width, reference.width);
@@ -423,13 +436,14 @@ Comparison comparePacks(const Pack& pack, const Pack& reference, const CompareLi
 }
 
 const std::vector<std::string>& comparedKinds() {
-  static const std::vector<std::string> kinds = {"mesh", "image", "tensors", "json", "pack"};
+  static const std::vector<std::string> kinds = {"mesh", "meso_mesh", "image", "tensors", "json", "pack"};
   return kinds;
 }
 
 Comparison compareFiles(const std::string& kind, const std::filesystem::path& file,
                         const std::filesystem::path& reference, const CompareLimits& limits) {
   if (kind == "mesh") return compareMeshes(readPly(file), readPly(reference), limits);
+  if (kind == "meso_mesh") return compareMesoMeshes(readMesoMesh(file), readMesoMesh(reference), limits);
   if (kind == "image") return compareImages(readImage(file), readImage(reference), limits);
   if (kind == "tensors") return compareTensors(readSafetensors(file), readSafetensors(reference), limits);
   if (kind == "json") return compareJson(readJson(file), readJson(reference), limits);

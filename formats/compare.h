@@ -9,6 +9,7 @@
 
 #include "formats/image.h"
 #include "formats/json.h"
+#include "formats/meso_mesh.h"
 #include "formats/pack.h"
 #include "formats/tensors.h"
 #include "formats/triangle_mesh.h"
@@ -54,13 +55,16 @@ struct Comparison {
 // `reference` is what relative figures refer to; symmetric otherwise.
 Comparison compareMeshes(const TriangleMesh& mesh, const TriangleMesh& reference,
                          const CompareLimits& limits);
+// Tangents and places on the exemplar vertex by vertex, `maximum`; materials and symmetry exactly.
+Comparison compareMesoMeshes(const MesoMesh& meso_mesh, const MesoMesh& reference,
+                             const CompareLimits& limits);
 Comparison compareImages(const Image& image, const Image& reference, const CompareLimits& limits);
 Comparison compareTensors(const TensorFile& tensors, const TensorFile& reference,
                           const CompareLimits& limits);
 Comparison compareJson(const Json& json, const Json& reference, const CompareLimits& limits);
 Comparison comparePacks(const Pack& pack, const Pack& reference, const CompareLimits& limits);
 
-// The kinds that compareFiles knows: "mesh" (our PLY), "image", "tensors", "json", "pack".
+// The kinds that compareFiles knows: "mesh" (our PLY), "meso_mesh", "image", "tensors", "json", "pack".
 const std::vector<std::string>& comparedKinds();
 
 // Packs agree in their sections' names, too: a compressed one is not its plain counterpart. Throws

@@ -34,6 +34,7 @@ constexpr const char* kIgnoredKeys = "ignored_keys";
 const std::map<std::string, std::vector<std::string>>& limitNames() {
   static const std::map<std::string, std::vector<std::string>> names = {
       {"mesh", {"distance", "normal", "maximum"}},
+      {"meso_mesh", {"distance", "normal", "maximum"}},
       {"pack", {"distance", "normal", "relative", "maximum"}},
       {"tensors", {"relative", "maximum", kIgnoredKeys}},
       {"image", {"rms", "maximum"}},
@@ -163,7 +164,7 @@ bool hasLimits(const std::string& kind) {
 }
 
 CompareLimits defaultLimits(const std::string& kind) {
-  if (kind == "mesh") return {.distance = 1e-5, .normal = 1e-3, .maximum = 1e-5};
+  if (kind == "mesh" || kind == "meso_mesh") return {.distance = 1e-5, .normal = 1e-3, .maximum = 1e-5};
   if (kind == "tensors") return {.maximum = 1e-2, .relative = 1e-3, .ignored_keys = {"mesh_hash"}};
   if (kind == "pack") return {.distance = 1e-5, .normal = 1e-3, .maximum = 2e-2, .relative = 2e-3};
   if (kind == "image") return {.maximum = 0.5, .rms = 5e-3};
