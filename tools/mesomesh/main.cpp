@@ -1,35 +1,60 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <vector>
 
-#include "formats/mesh_import.h"
-#include "formats/mesh_ply.h"
+#include "formats/json.h"
+#include "formats/materials.h"
+#include "formats/meso_mesh.h"
+#include "tools/mesomesh/field/direction_field.h"
+#include "tools/mesomesh/mesh_file.h"
+#include "tools/mesomesh/report.h"
 #include "tools/mesomesh/retile/retile.h"
 #include "tools/stage/stage.h"
+#include "transport/ray_scene.h"
 
 int main(int argc, char** argv) {
   using namespace bakelight;
-  std::filesystem::path mesh_path, out_path;
-  int vertices = 960000;
+  std::filesystem::path mesh_path, hints_path, meso_mesh_path, singularities_path;
   mesomesh::RetileOptions options;
-  stage::Tool tool("mesomesh", "Covers a mesh with a dense even one");
-  tool.input("mesh", "mesh", mesh_path, "Mesh of any format")
-      .output("meso_mesh", "mesh", out_path, "mesh")
-      .parameter("vertices", vertices, {1, 1e8}, "", "Target")
-      .parameter("crease_angle_deg", options.crease_angle_deg, {0, 180}, "deg", "x");
+  int vertices = static_cast<int>(options.vertices);
+  std::string symmetry = "1";
+  stage::Tool tool("mesomesh", "Covers a mesh with a dense, even one that a texture is laid out on");
+  tool.input("mesh", "mesh", mesh_path, "Mesh of any format; each of its materials stays")
+      .input("hints", "direction_hints", hints_path,
+             "JSON: list of {\"point\": [x, y, z], \"direction\": [x, y, z]} that the texture's u follows",
+             false)
+      .output("meso_mesh", "meso_mesh", meso_mesh_path,
+              "PLY: even triangles with normals, tangents, places on the exemplar, materials")
+      .output("singularities", "json", singularities_path,
+              "Where the tangents turn about a point, and how often", false)
+      .parameter("vertices", vertices, {1, 1e8}, "vertices", "Of the result, to within 5%")
+      .parameter("crease_angle_deg", options.crease_angle_deg, {0, 180}, "deg",
+                 "Edges sharper than this keep their place and part normals and tangents")
+      .parameter("symmetry", symmetry, {"1", "2", "4"},
+                 "The texture looks the same turned by 360 degrees over this");
+  tool.executionPath(transport::RayScene::executionPath);  // places are found with Embree, too
   return tool.run(argc, argv, [&](stage::Run& run) {
     options.vertices = vertices;
-    mesomesh::RetiledMesh m =
-        mesomesh::retile(formats::importMesh(mesh_path).mesh, options, mesh_path.string());
-    formats::writePly(out_path, m.mesh);
-    for (auto& w : m.report.warnings) run.warn(w);
-    auto& r = m.report;
-    std::printf(
-        "v %ld t %ld copies %ld comps %ld coarse %ld d %d L %g q %g min %g six %g folded %ld dev %g mean %g "
-        "creases %ld\n",
-        r.vertices, r.triangles, r.crease_copies, r.components, r.coarse_vertices, r.subdivisions,
-        r.edge_length, r.mean_quality, r.least_quality, r.six_neighbors, r.folded_triangles,
-        r.largest_deviation, r.mean_deviation, r.crease_edges);
-    for (auto& [k, s] : r.seconds) std::printf("%s %.2f  ", k.c_str(), s);
-    std::printf("\n");
+    const mesomesh::MeshFile file = mesomesh::readMeshFile(mesh_path);
+    for (const std::string& note : file.notes) run.warn(note);
+    std::vector<mesomesh::DirectionHint> hints;
+    if (!hints_path.empty()) hints = mesomesh::readHints(hints_path);
+    mesomesh::RetiledMesh retiled = mesomesh::retile(file.mesh, options, mesh_path.string());
+    for (const std::string& warning : retiled.report.warnings) run.warn(warning);
+    const mesomesh::DirectionField field = mesomesh::directionField(
+        retiled.mesh, {std::stoi(symmetry), options.crease_angle_deg}, hints, hints_path.string());
+    for (const std::string& warning : field.warnings) run.warn(warning);
+    if (!singularities_path.empty())
+      formats::writeJson(singularities_path,
+                         mesomesh::singularityTable(retiled.mesh, field, std::stoi(symmetry)));
+    formats::MesoMesh meso{
+        std::move(retiled.mesh), field.tangents, {}, std::move(retiled.materials), std::stoi(symmetry)};
+    // TODO(synthesis): places and colours come from mesomesh::synthesize(); until then all lie at the
+    // exemplar's origin.
+    meso.patch.assign(meso.mesh.vertexCount(), {0, 0});
+    formats::writeMesoMesh(meso_mesh_path, meso);
+    const formats::Json stats = mesomesh::toJson(retiled.report, field);
+    for (const auto& [name, value] : stats.items()) run.stat(name, value);
+    run.stat("materials", formats::usedMaterials(meso.mesh));
   });
 }
