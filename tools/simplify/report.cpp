@@ -24,7 +24,7 @@ Json toJson(const RepairCounts& counts) {
           {"isolated_vertices", counts.isolated_vertices}};
 }
 
-// `which` is "in" or "out".
+// Of the mesh before or after.
 Json state(std::int64_t vertices, std::int64_t triangles, const Topology& topology,
            const AngleQuality& angles, double area, double volume) {
   return {{"vertices", vertices},

@@ -1,7 +1,6 @@
 // Sloan, Hall, Hart & Snyder, "Clustered Principal Components for Precomputed Radiance Transfer", 2003,
 // sections 4.1–4.3: vector quantisation that turns into CPCA by letting the number of components grow with
-// the rounds
-// ("adaptive PCA"), which falls into fewer bad local minima than full components from the start.
+// the rounds ("adaptive PCA"), which falls into fewer bad local minima than full components from the start.
 #include "tools/transfer/cpca.h"
 
 #include <tbb/parallel_for.h>

@@ -34,8 +34,8 @@ double albedoOf(const Microfacets& facets, const Vec3& eye) {
   return overHemisphere([&](const Vec3& s) { return facets.brdf(s, eye)[0] * s.z(); });
 }
 
-// Along the normal nothing is masked and light leaves at twice the facet's angle, so that with t = tan² of
-// that
+// Along the normal nothing is masked and light leaves at twice the facet's angle, so that with t = tan²
+// of that
 //   E = ∫₀¹ α²/(α² + t)² · 2/(1 + √(1 + 4α²t/(1 − t)²)) dt;
 // for alpha 1 the root is (1 + t)/(1 − t), and E = ∫ (1 − t)/(1 + t)² dt = 1 − ln 2.
 double albedoAlongTheNormal(double alpha) {
