@@ -126,19 +126,20 @@ class Mapper {
       coverages.push_back(map[kCoverage]);
       shots.push_back({{map[kPosition], map[kPosition + 1], map[kPosition + 2]},
                        {map[kNormal], map[kNormal + 1], map[kNormal + 2]},
-                       materialOf(map[kTriangle], texels.back())});
+                       materialOf(map[kTriangle], texels.back()),
+                       map[kCoverage] != kBorder});
     }
     std::vector<std::uint32_t> vertices(shots.size());
     Tile tile;
     tile.figures = shooting_.shoot(shots, vertices);
-    for (std::size_t i = 0; i < texels.size(); ++i) {
+    for (std::size_t i = 0; i < tile.figures.shots; ++i) {
       if (vertices[i] != NormalShooting::kNone) {
         write(texels[i], vertices[i], coverages[i]);
         ++tile.covered;
-      } else if (coverages[i] == kBorder) {
-        ++tile.moved;
-      } else if (!tile.unanswered || texels[i] < *tile.unanswered) {
+      } else if (shots[i].required) {
         tile.unanswered = texels[i];
+      } else {
+        ++tile.moved;
       }
     }
     return tile;
@@ -200,6 +201,10 @@ class Mapper {
 };
 
 }  // namespace
+
+std::size_t rowsOf(const std::filesystem::path& maps) {
+  return static_cast<std::size_t>(formats::ExrRows(maps, {}).height());
+}
 
 IdMap makeIdMap(const MesoIndex& meso, const std::filesystem::path& maps, const IdMapOptions& options,
                 const std::function<void(std::size_t)>& progress) {

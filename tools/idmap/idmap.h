@@ -45,6 +45,9 @@ struct IdMap {
   std::int64_t moved = 0;                // of coverage 3, copied because nothing faces their way
 };
 
+// Of an image, for progress. Throws Error(kBadInput) as makeIdMap does.
+std::size_t rowsOf(const std::filesystem::path& maps);
+
 // `maps`: the geometry maps that atlas wrote; read by blocks of rows, so that memory is that of the result and
 // 9 bytes a texel more. Throws Error(kBadInput) naming file and texel: channels that are missing, a
 // texel of the surface that no meso-vertex faces, a triangle beyond the materials, nothing covered.

@@ -183,7 +183,8 @@ struct NormalShooting::Implementation {
     work.nearest.assign(group.points.begin(), group.points.end());
     nearest_points->keepNearest(shot.position, k, work.nearest);
     choose(shot, work.nearest, work.candidates);
-    return work.candidates.empty() ? shootFarther(shot, figures) : take(work.candidates, figures);
+    if (!work.candidates.empty()) return take(work.candidates, figures);
+    return shot.required ? shootFarther(shot, figures) : kNone;
   }
 
   std::uint32_t shootFarther(const Shot& shot, ShotFigures& figures) const {
@@ -228,7 +229,6 @@ NormalShooting::~NormalShooting() = default;
 ShotFigures NormalShooting::shoot(std::span<const Shot> shots, std::span<std::uint32_t> vertices) const {
   const Implementation& own = *implementation_;
   ShotFigures figures;
-  figures.shots = shots.size();
   if (own.vertices.empty()) std::fill(vertices.begin(), vertices.end(), kNone);
   if (shots.empty() || own.vertices.empty()) return figures;
   thread_local Implementation::Search work;
@@ -236,9 +236,12 @@ ShotFigures NormalShooting::shoot(std::span<const Shot> shots, std::span<std::ui
   for (const Shot& shot : shots) work.positions.push_back(shot.position);
   const std::size_t k = std::min(own.neighbors, own.vertices.size());
   NearestPoints::Walk walk(*own.nearest_points, work.positions, k);
-  for (std::size_t s = 0; walk.next();)
-    for (std::size_t i = 0; i < walk.group().queries.size(); ++i, ++s)
+  while (walk.next())
+    for (std::size_t i = 0; i < walk.group().queries.size(); ++i) {
+      const std::size_t s = figures.shots++;
       vertices[s] = own.take(shots[s], walk.group(), k, work, figures);
+      if (vertices[s] == kNone && shots[s].required) return figures;
+    }
   return figures;
 }
 

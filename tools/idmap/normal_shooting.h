@@ -24,6 +24,7 @@ struct Shot {
   Float3 position;
   Float3 normal;                               // unit length
   std::optional<std::uint32_t> material = {};  // only vertices of it count
+  bool required = true;                        // else farther vertices are not looked for
 };
 
 // What was found on the way; sums and maxima do not depend on the order of shots.
@@ -51,8 +52,9 @@ class NormalShooting {
   // face the same way (a positive cosine), are of its material and hang together with the one that is
   // nearest when height counts four times: sheets that lie closer than the search reaches are told apart by
   // their facing and by the mesh. Of equally near ones the first vertex. Where none of k faces that way, k is
-  // quadrupled, to kMostNeighbors at most; kNone if there is none even so. Thread-safe. About 1 µs a shot if
-  // shots side by side are near each other (FLANN's exact k-d tree is nearly all of it).
+  // quadrupled for a shot that is required, to kMostNeighbors at most; kNone if there is none even so, and then the
+  // shots after a required one are not looked at: figures.shots says how many were. Thread-safe. About 1 µs a
+  // shot if shots side by side are near each other (FLANN's exact k-d tree is half of it).
   static constexpr std::uint32_t kNone = 0xffffffffU;
   ShotFigures shoot(std::span<const Shot> shots, std::span<std::uint32_t> vertices) const;
 
