@@ -56,12 +56,12 @@ Transform uprightFromFbx(const aiMetadata& metadata, std::vector<std::string>& n
 }
 
 void noteUnitOfFbx(const aiMetadata& metadata, std::vector<std::string>& notes) {
-  double centimetres = 0;
+  double centimeters = 0;
   float single = 0;
-  if (!metadata.Get("UnitScaleFactor", centimetres) && metadata.Get("UnitScaleFactor", single))
-    centimetres = single;
-  if (centimetres > 0 && centimetres != 100) {
-    notes.push_back("lengths are in the file's own unit, of " + numberText(centimetres) + " cm");
+  if (!metadata.Get("UnitScaleFactor", centimeters) && metadata.Get("UnitScaleFactor", single))
+    centimeters = single;
+  if (centimeters > 0 && centimeters != 100) {
+    notes.push_back("lengths are in the file's own unit, of " + numberText(centimeters) + " cm");
   }
 }
 

@@ -51,14 +51,14 @@ class PointSet {
 
   double distanceToNearest(const Float3& query) const {
     double nearest = std::numeric_limits<double>::infinity();
-    forNeighbours(query, nearest,
-                  [&](std::size_t i) { nearest = std::min(nearest, distanceBetween(points_[i], query)); });
+    forNeighbors(query, nearest,
+                 [&](std::size_t i) { nearest = std::min(nearest, distanceBetween(points_[i], query)); });
     return nearest;
   }
 
   // Calls `visit` with the index of each point whose x is within `reach` (which may shrink meanwhile).
   template <class Visit>
-  void forNeighbours(const Float3& query, const double& reach, const Visit& visit) const {
+  void forNeighbors(const Float3& query, const double& reach, const Visit& visit) const {
     const auto middle = std::lower_bound(order_.begin(), order_.end(), query[0],
                                          [&](std::size_t i, float x) { return points_[i][0] < x; });
     for (auto it = middle; it != order_.end() && points_[*it][0] - query[0] <= reach; ++it) visit(*it);
@@ -113,7 +113,7 @@ double normalDifference(const TriangleMesh& mesh, const TriangleMesh& reference,
     const Float3& position = mesh.positions[v];
     const double reach = set.distanceToNearest(position) + slack;
     double likest = std::numeric_limits<double>::infinity();
-    set.forNeighbours(position, reach, [&](std::size_t i) {
+    set.forNeighbors(position, reach, [&](std::size_t i) {
       if (distanceBetween(reference.positions[i], position) <= reach)
         likest = std::min(likest, distanceBetween(reference.normals[i], mesh.normals[v]));
     });

@@ -47,13 +47,13 @@ using Channels = std::array<int, 3>;
 // What is a colour among a part's channels.
 struct Candidates {
   std::map<std::string, Channels> layers;  // by name; "" is of no layer
-  std::optional<Channels> grey;            // the only one
+  std::optional<Channels> gray;            // the only one
 };
 
 Candidates candidatesOf(const std::vector<std::string>& names) {
   Candidates found;
   std::map<std::string, Channels> layers;
-  std::vector<int> grey;
+  std::vector<int> gray;
   bool chroma = false;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto [layer, name] = layerAndName(names[i]);
@@ -62,11 +62,11 @@ Candidates candidatesOf(const std::vector<std::string>& names) {
     const int color = colorOf(name);
     auto& channels = layers.try_emplace(layer, Channels{-1, -1, -1}).first->second;
     if (color >= 0 && color < 3) channels[static_cast<std::size_t>(color)] = static_cast<int>(i);
-    if (color == 3) grey.push_back(static_cast<int>(i));
+    if (color == 3) gray.push_back(static_cast<int>(i));
   }
   for (const auto& [layer, channels] : layers)
     if (*std::min_element(channels.begin(), channels.end()) >= 0) found.layers.emplace(layer, channels);
-  if (grey.size() == 1 && !chroma) found.grey = Channels{grey[0], grey[0], grey[0]};
+  if (gray.size() == 1 && !chroma) found.gray = Channels{gray[0], gray[0], gray[0]};
   return found;
 }
 
@@ -95,11 +95,11 @@ std::optional<Channels> chosen(const Candidates& candidates, const std::string& 
     throw badInput({file, "", ""}, "several of its layers are a colour: " + listed(names),
                    "one colour: channels R, G and B without a layer's name, or in one layer",
                    "save the layer that is meant alone, for example with oiiotool --ch");
-  return candidates.grey;
+  return candidates.gray;
 }
 
 // Formats without names for channels: OpenImageIO calls the two of some TIFFs R and G.
-bool isGreyWithAlpha(const OIIO::ImageInput& input) {
+bool isGrayWithAlpha(const OIIO::ImageInput& input) {
   return std::string_view(input.format_name()) != "openexr" && input.spec().nchannels == 2;
 }
 
@@ -116,7 +116,7 @@ Selection selectColor(OIIO::ImageInput& input, const std::string& file) {
     deep = deep || spec.deep;
     if (spec.deep) continue;
     if (const auto channels = chosen(candidatesOf(spec.channelnames), file)) return {part, *channels};
-    if (isGreyWithAlpha(input)) return {part, {0, 0, 0}};
+    if (isGrayWithAlpha(input)) return {part, {0, 0, 0}};
     seen.insert(seen.end(), spec.channelnames.begin(), spec.channelnames.end());
   }
   const std::string reason = input.geterror();

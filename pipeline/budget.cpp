@@ -76,12 +76,12 @@ class Chooser {
 
   // The cheapest that errs less, and the most exact that costs less.
   Json nextBetter(const Measured& than) const {
-    return neighbour([&](const Measured& variant) { return variant.error < than.error; },
-                     [&](const Measured& variant) { return std::tuple(cost(variant), variant.error); });
+    return neighbor([&](const Measured& variant) { return variant.error < than.error; },
+                    [&](const Measured& variant) { return std::tuple(cost(variant), variant.error); });
   }
   Json nextCheaper(const Measured& than) const {
-    return neighbour([&](const Measured& variant) { return cost(variant) < cost(than); },
-                     [&](const Measured& variant) { return std::tuple(variant.error, cost(variant)); });
+    return neighbor([&](const Measured& variant) { return cost(variant) < cost(than); },
+                    [&](const Measured& variant) { return std::tuple(variant.error, cost(variant)); });
   }
 
   std::string why(const Measured& chosen) const {
@@ -101,7 +101,7 @@ class Chooser {
   }
 
   template <class Condition, class Rank>
-  Json neighbour(const Condition& condition, const Rank& rank_of) const {
+  Json neighbor(const Condition& condition, const Rank& rank_of) const {
     const Measured* best = nullptr;
     for (const Measured& variant : variants_)
       if (condition(variant) && (best == nullptr || rank_of(variant) < rank_of(*best))) best = &variant;

@@ -121,7 +121,7 @@ void Console::settled(TaskIndex task, const Outcome& outcome) {
   drawLive();
 }
 
-void Console::summarise(const BuildResult& result, const OutputFolder& out) {
+void Console::summarize(const BuildResult& result, const OutputFolder& out) {
   clearLive();
   std::map<StageStatus, std::size_t> count;
   std::size_t restored = 0;

@@ -24,7 +24,7 @@ class Console : public BuildObserver {
   void settled(TaskIndex task, const Outcome& outcome) override;
 
   // One line if nothing had to be done, else counts and where the deliverables are.
-  void summarise(const BuildResult& result, const OutputFolder& out);
+  void summarize(const BuildResult& result, const OutputFolder& out);
 
  private:
   std::string label(TaskIndex task) const;  // "bunny transfer ", padded to one width

@@ -44,7 +44,7 @@ BuildResult runGraph(Workplace& workplace, const Graph& graph, const std::filesy
         return outcome.status == StageStatus::kLeftOut ||
                (outcome.status == StageStatus::kCached && !outcome.published);
       });
-  if (!quiet || !nothing_done) console.summarise(result, out);
+  if (!quiet || !nothing_done) console.summarize(result, out);
   return result;
 }
 

@@ -102,7 +102,7 @@ TEST_F(PlayerAgainstCpu, TransparentBackground) {
           sky());
 }
 
-TEST_F(PlayerAgainstCpu, VertexColoursAndEightBitVectors) {
+TEST_F(PlayerAgainstCpu, VertexColorsAndEightBitVectors) {
   formats::Pack pack = wavyPack(5, 64);
   for (const auto& normal : pack.mesh.normals)
     pack.colors.push_back({0.5F + 0.5F * normal[0], 0.5F + 0.5F * normal[1], 0.7F});
@@ -209,7 +209,7 @@ TEST_F(PlayerAgainstCpu, GlossyUnderEmitters) {
 
 // A camera so close that it sees nothing but the body, while a light of constant radiance comes from afar
 // through the virtual sphere's wall to its centre.
-TEST_F(PlayerAgainstCpu, LightFromAfarToTheCentreIsFiniteAndMonotone) {
+TEST_F(PlayerAgainstCpu, LightFromAfarToTheCenterIsFiniteAndMonotone) {
   formats::Pack pack = spherePack(5, 24);
   scaleMesh(pack, 0.1F);
   addNearTransfer(pack, 1.0F);

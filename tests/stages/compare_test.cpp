@@ -84,7 +84,7 @@ TEST(CompareMeshes, MeasuresTheLargestMoveOverTheDiagonal) {
   EXPECT_TRUE(compareMeshes(mesh, reference, {.distance = 0.04}).passes());
 }
 
-TEST(CompareMeshes, ColoursCount) {
+TEST(CompareMeshes, ColorsCount) {
   TriangleMesh reference = stages::sphere(1);
   reference.colors.assign(reference.vertexCount(), {0.5f, 0.5f, 0.5f});
   TriangleMesh mesh = reference;

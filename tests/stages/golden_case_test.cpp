@@ -159,7 +159,7 @@ TEST(Scenes, BumpsStayWithinAQuarterOrSo) {
   EXPECT_LT(high, 1.3f);
 }
 
-TEST(Scenes, TheBowlFacesItsCentre) {
+TEST(Scenes, TheBowlFacesItsCenter) {
   const formats::TriangleMesh mesh = bowl(2);
   EXPECT_EQ(mesh.triangleCount(), sphere(2).triangleCount() / 2);
   for (std::size_t i = 0; i < mesh.vertexCount(); ++i)

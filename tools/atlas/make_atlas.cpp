@@ -25,11 +25,11 @@ ChartingOptions chartingOptions(const AtlasOptions& options) {
   ChartingOptions charting;
   charting.cuts_only = options.cuts_only;
   charting.merging_effort = options.merging_effort;
-  charting.flattening.parameterisation = options.parameterisation;
+  charting.flattening.parameterization = options.parameterization;
   charting.flattening.normal_threshold_deg = options.normal_threshold_deg;
   charting.flattening.corners = options.corners;
   charting.flattening.straightness = options.straightness;
-  if (options.parameterisation != Parameterisation::kProjection && !options.cuts_only)
+  if (options.parameterization != Parameterization::kProjection && !options.cuts_only)
     charting.flattening.max_stretch = options.max_stretch, charting.flattening.small_area = kSmallArea;
   return charting;
 }

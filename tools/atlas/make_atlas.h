@@ -19,7 +19,7 @@ inline constexpr double kFewCharts = 1.04, kLowDistortion = 1.005;
 inline constexpr double kFewPolygons = 1.25, kLowDistortionPolygons = 1.1;
 
 struct AtlasOptions {
-  Parameterisation parameterisation = Parameterisation::kFree;
+  Parameterization parameterization = Parameterization::kFree;
   bool cuts_only = false;           // charts are what the cuts leave
   double max_stretch = kFewCharts;  // L² stretch of each chart, ≥ 1, that has 1/400 of the area; projections
                                     // have whatever they have

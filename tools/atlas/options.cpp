@@ -16,7 +16,7 @@ void declareOptions(stage::Tool& tool, OptionWords& words) {
                  "Whether the mesh's own texture coordinates are taken: an error if they are no valid atlas")
       .parameter("segmentation", words.segmentation, {"automatic", "cuts"},
                  "Charts: automatic, within what cuts and creases leave; or just what the cuts leave")
-      .parameter("parameterisation", words.parameterisation, {"free", "convex", "projection"},
+      .parameter("parameterisation", words.parameterization, {"free", "convex", "projection"},
                  "Charts with free borders and least distortion, convex polygons on a circle, or "
                  "orthographic projections")
       .parameter("preset", words.preset, {"few_charts", "low_distortion"}, "What max_stretch 0 stands for")
@@ -47,16 +47,16 @@ AtlasOptions finishedOptions(const OptionWords& words) {
     throw Error(ExitStatus::kUsage, {"", "max_stretch", ""}, "no chart has an L2 stretch below 1",
                 "1 or more, or 0 for what the preset says");
   options.cuts_only = words.segmentation == "cuts";
-  options.parameterisation = words.parameterisation == "convex"       ? Parameterisation::kConvex
-                             : words.parameterisation == "projection" ? Parameterisation::kProjection
-                                                                      : Parameterisation::kFree;
-  const bool is_convex = options.parameterisation == Parameterisation::kConvex,
+  options.parameterization = words.parameterization == "convex"       ? Parameterization::kConvex
+                             : words.parameterization == "projection" ? Parameterization::kProjection
+                                                                      : Parameterization::kFree;
+  const bool is_convex = options.parameterization == Parameterization::kConvex,
              is_low = words.preset == "low_distortion";
   options.max_stretch = words.max_stretch > 0 ? words.max_stretch
                         : is_convex           ? (is_low ? kLowDistortionPolygons : kFewPolygons)
                                               : (is_low ? kLowDistortion : kFewCharts);
   options.border = words.border >= 0                                           ? words.border
-                   : options.parameterisation == Parameterisation::kProjection ? kProjectionBorder
+                   : options.parameterization == Parameterization::kProjection ? kProjectionBorder
                                                                                : 0;
   return options;
 }

@@ -10,7 +10,7 @@ namespace bakelight::atlas {
 
 // Options as they are given: those that are named by a word, or depend on another one.
 struct OptionWords {
-  std::string texcoords = "new", segmentation = "automatic", parameterisation = "free", preset = "few_charts";
+  std::string texcoords = "new", segmentation = "automatic", parameterization = "free", preset = "few_charts";
   double max_stretch = 0;  // 0: what preset and parameterisation say
   int border = -1;         // −1: 4 for projection, else none
   AtlasOptions options;

@@ -118,10 +118,10 @@ Preview previewPack(const formats::Pack& pack, const PreviewOptions& options, co
 
 Preview previewImage(const Image& image, bool display_encoded, const PreviewOptions& options) {
   const auto color = colorChannels(image);
-  const bool grey_scaled = !color || (image.channelCount() == 1 && !display_encoded);
+  const bool gray_scaled = !color || (image.channelCount() == 1 && !display_encoded);
   Preview preview{
-      resampled(image, grey_scaled ? std::array<std::size_t, 3>{0, 0, 0} : *color, options.size_px), ""};
-  if (grey_scaled) {
+      resampled(image, gray_scaled ? std::array<std::size_t, 3>{0, 0, 0} : *color, options.size_px), ""};
+  if (gray_scaled) {
     const Moments channel = measureChannels(image).front();
     const double low = channel.minimum(), extent = channel.maximum() - low;
     encodePixels(preview.image,

@@ -76,8 +76,8 @@ transport::CpuPicture takePicture(const TriangleMesh& mesh, const transport::Rad
                                   const PreviewOptions& options) {
   const transport::RayScene scene(mesh);
   const auto backdrop = [exposure](const Vec3&) {
-    const auto grey = static_cast<float>(kBackdropRadiance / exposure);
-    return formats::Float4{grey, grey, grey, 1};
+    const auto gray = static_cast<float>(kBackdropRadiance / exposure);
+    return formats::Float4{gray, gray, gray, 1};
   };
   return transport::renderOnCpu(scene, shade, camera, {options.size_px, options.size_px, kSupersampling},
                                 backdrop);

@@ -18,7 +18,7 @@ constexpr int kProbeDirections = 128;  // over the sphere
 using Ring = std::vector<std::uint32_t>;
 
 // Vertices that share an edge with each buried one; empty for the others.
-std::vector<Ring> neighboursOf(const TriangleMesh& mesh, std::span<const std::uint8_t> buried) {
+std::vector<Ring> neighborsOf(const TriangleMesh& mesh, std::span<const std::uint8_t> buried) {
   std::vector<Ring> rings(mesh.vertexCount());
   for (const auto& triangle : mesh.triangles)
     for (std::size_t i = 0; i < 3; ++i) {
@@ -48,7 +48,7 @@ bool isBuried(const transport::RayScene& scene, const Float3& origin, const Floa
 
 BuriedFill::BuriedFill(const TriangleMesh& mesh, std::span<const std::uint8_t> buried) {
   if (std::find(buried.begin(), buried.end(), 1) == buried.end()) return;
-  const std::vector<Ring> rings = neighboursOf(mesh, buried);
+  const std::vector<Ring> rings = neighborsOf(mesh, buried);
   std::vector<std::uint8_t> open(buried.begin(), buried.end());
   while (true) {
     // Who borders on a filled vertex is decided before any of this round is filled, so the order does not
@@ -57,8 +57,8 @@ BuriedFill::BuriedFill(const TriangleMesh& mesh, std::span<const std::uint8_t> b
     for (std::uint32_t v = 0; v < open.size(); ++v) {
       if (open[v] == 0) continue;
       Step step{v, {}};
-      for (const std::uint32_t neighbour : rings[v])
-        if (open[neighbour] == 0) step.sources.push_back(neighbour);
+      for (const std::uint32_t neighbor : rings[v])
+        if (open[neighbor] == 0) step.sources.push_back(neighbor);
       if (!step.sources.empty()) steps_.push_back(std::move(step));
     }
     if (steps_.size() == first) return;

@@ -57,7 +57,7 @@ Eigen::VectorXf meanOf(const RowsView& vectors, const std::vector<Index>& member
   return (sum / static_cast<double>(members.size())).cast<float>();
 }
 
-Rows centred(const RowsView& vectors, const Cluster& cluster) {
+Rows centered(const RowsView& vectors, const Cluster& cluster) {
   Rows result(static_cast<Index>(cluster.members.size()), vectors.cols());
   for (Index row = 0; row < result.rows(); ++row)
     result.row(row) = vectors.row(cluster.members[row]) - cluster.mean.transpose();
@@ -155,7 +155,7 @@ void refit(const RowsView& vectors, std::vector<Cluster>& clusters, int componen
   tbb::parallel_for(std::size_t{0}, clusters.size(), [&](std::size_t c) {
     Cluster& cluster = clusters[c];
     cluster.mean = meanOf(vectors, cluster.members);
-    const Rows rows = centred(vectors, cluster);
+    const Rows rows = centered(vectors, cluster);
     const double energy = rows.squaredNorm() + static_cast<double>(rows.rows()) * cluster.mean.squaredNorm();
     cluster.components =
         principalComponents(rows, cluster.components, components, powers, kRounding * energy);
@@ -182,7 +182,7 @@ Cpca describe(const RowsView& vectors, const std::vector<Cluster>& clusters, int
     Eigen::Map<Eigen::MatrixXf> basis(&result.basis[c * (1 + components) * dimension], dimension,
                                       1 + components);
     basis << cluster.mean, cluster.components;
-    const Rows rows = centred(vectors, cluster);
+    const Rows rows = centered(vectors, cluster);
     const Rows weights = rows * cluster.components;
     squared_errors[c] = (rows - weights * cluster.components.transpose()).cast<double>().squaredNorm();
     for (Index row = 0; row < rows.rows(); ++row) {

@@ -26,7 +26,7 @@ constexpr int kLamps = 64;
 constexpr double kWindow = 0.01;
 // Neighbours that face elsewhere are lit otherwise by right.
 constexpr float kSameWay = 0.7f;
-constexpr int kFewNeighbours = 3;
+constexpr int kFewNeighbors = 3;
 constexpr double kRangeShare = 0.5;
 // Beyond the noise of shadow edges between a point and samples right beside it.
 constexpr double kAlone = 0.02;
@@ -86,23 +86,23 @@ OutlierJudge::OutlierJudge(const TriangleMesh& mesh, const IncidentTriangles& in
       lamps_(lampsAround()) {}
 
 double OutlierJudge::score(std::uint32_t vertex, std::span<const float> vector) const {
-  std::vector<std::uint32_t> neighbours;
+  std::vector<std::uint32_t> neighbors;
   for (const std::uint32_t t : incident_.of(vertex))
     for (const std::uint32_t v : mesh_.triangles[t])
       if (v != vertex && left_out_[v] == 0 && dot(mesh_.normals[v], mesh_.normals[vertex]) > kSameWay)
-        neighbours.push_back(v);
-  std::sort(neighbours.begin(), neighbours.end());
-  neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
-  if (neighbours.size() < kFewNeighbours) return 0;
+        neighbors.push_back(v);
+  std::sort(neighbors.begin(), neighbors.end());
+  neighbors.erase(std::unique(neighbors.begin(), neighbors.end()), neighbors.end());
+  if (neighbors.size() < kFewNeighbors) return 0;
 
   double worst = -std::numeric_limits<double>::infinity();
   for (std::size_t at = 0; at < lamps_.size(); at += kJudged) {
     const float* lamp = &lamps_[at];
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const std::uint32_t v : neighbours) {
-      const double neighbour = shown(&vectors_[v * row_size_], lamp);
-      low = std::min(low, neighbour);
-      high = std::max(high, neighbour);
+    for (const std::uint32_t v : neighbors) {
+      const double neighbor = shown(&vectors_[v * row_size_], lamp);
+      low = std::min(low, neighbor);
+      high = std::max(high, neighbor);
     }
     const double own = shown(vector.data(), lamp);
     worst = std::max(worst, std::max(low - own, own - high) - kRangeShare * (high - low));

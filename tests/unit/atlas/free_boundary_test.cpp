@@ -32,7 +32,7 @@ double symmetricDirichlet(const Chart& chart, const std::vector<Vec2>& plane) {
 std::vector<Vec2> flattened(const Chart& chart) {
   auto start = flatStart(chart);
   EXPECT_TRUE(start.has_value());
-  return minimiseDistortion(chart, std::move(*start), {100, 1e-12});
+  return minimizeDistortion(chart, std::move(*start), {100, 1e-12});
 }
 
 // A strip of a surface that is not closed around: quads (i, j), 0 ≤ i ≤ m.

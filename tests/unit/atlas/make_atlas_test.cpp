@@ -17,11 +17,11 @@ namespace {
 
 using formats::TriangleMesh;
 
-AtlasOptions small(Parameterisation parameterisation = Parameterisation::kFree) {
+AtlasOptions small(Parameterization parameterization = Parameterization::kFree) {
   AtlasOptions options;
-  options.parameterisation = parameterisation;
+  options.parameterization = parameterization;
   options.resolution = 256;
-  if (parameterisation == Parameterisation::kConvex) options.max_stretch = 1.25;
+  if (parameterization == Parameterization::kConvex) options.max_stretch = 1.25;
   return options;
 }
 
@@ -82,7 +82,7 @@ TEST(MakeAtlas, TakesClosedBodiesOfAnyGenus) {
   expectValid(tests::torus(60, 24, 2, 0.7), small());
   const TriangleMesh five = tests::slabWithHoles(5, 4, 8);
   ASSERT_EQ(tests::wholeChart(five).euler_characteristic, 2 - 2 * 5);
-  for (const auto way : {Parameterisation::kFree, Parameterisation::kConvex, Parameterisation::kProjection})
+  for (const auto way : {Parameterization::kFree, Parameterization::kConvex, Parameterization::kProjection})
     expectValid(five, small(way));
 }
 
@@ -95,12 +95,12 @@ TEST(MakeAtlas, TakesAMoebiusStrip) {
 
 TEST(MakeAtlas, TakesConesFlatAndSharp) {
   for (const double height : {0.1, 1.0, 30.0})
-    for (const auto way : {Parameterisation::kFree, Parameterisation::kConvex, Parameterisation::kProjection})
+    for (const auto way : {Parameterization::kFree, Parameterization::kConvex, Parameterization::kProjection})
       expectValid(tests::fan(1000, height), small(way));
 }
 
 TEST(MakeAtlas, TakesOneTriangle) {
-  for (const auto way : {Parameterisation::kFree, Parameterisation::kConvex, Parameterisation::kProjection}) {
+  for (const auto way : {Parameterization::kFree, Parameterization::kConvex, Parameterization::kProjection}) {
     const AtlasResult result = expectValid(tests::confetti(1), small(way));
     EXPECT_EQ(result.report.figures.charts, 1);
     EXPECT_NEAR(result.report.figures.l2_stretch, 1, 1e-5);
@@ -174,7 +174,7 @@ TEST(MakeAtlas, RespectsCreases) {
 }
 
 TEST(MakeAtlas, ProjectsChartsOfSimilarNormals) {
-  AtlasOptions options = small(Parameterisation::kProjection);
+  AtlasOptions options = small(Parameterization::kProjection);
   options.border = 4;
   const TriangleMesh mesh = tests::icosphere(4);
   const AtlasResult result = expectValid(mesh, options);

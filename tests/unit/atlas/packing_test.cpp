@@ -75,7 +75,7 @@ Figures figuresOf(const std::vector<FlatChart>& charts, const Packing& packing, 
   const auto ownerAt = [&](int x, int y) -> int& {
     return owner[static_cast<std::size_t>(y + kAround) * side + x + kAround];
   };
-  std::int64_t centres = 0;
+  std::int64_t centers = 0;
   for (std::size_t c = 0; c < charts.size(); ++c) {
     const auto& [angle, offset] = packing.placements[c];
     std::vector<Vec2> placed;
@@ -107,7 +107,7 @@ Figures figuresOf(const std::vector<FlatChart>& charts, const Packing& packing, 
             const Vec2 e = corners[(k + 1) % 3] - corners[k], p = Vec2(x + 0.5, y + 0.5) - corners[k];
             return e.x() * p.y() - e.y() * p.x() > 0;
           };
-          if (left(0) && left(1) && left(2)) ++centres;
+          if (left(0) && left(1) && left(2)) ++centers;
         }
     }
     figures.touched_texels += own_texels;
@@ -124,7 +124,7 @@ Figures figuresOf(const std::vector<FlatChart>& charts, const Packing& packing, 
             figures.smallest_distance = std::min(figures.smallest_distance, std::max(std::abs(dx), dy));
         }
     }
-  figures.utilisation = static_cast<double>(centres) / resolution / resolution;
+  figures.utilisation = static_cast<double>(centers) / resolution / resolution;
   return figures;
 }
 

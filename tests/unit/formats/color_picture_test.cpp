@@ -245,7 +245,7 @@ TEST(ColorPicture, OnlyTheChannelsThatAreUsedHaveToBeFinite) {
   EXPECT_THAT(errorOf(folder / "a.exr"), HasSubstr("texel (0, 0), channel G"));
 }
 
-TEST(ColorPicture, TheColourIsFoundInWhicheverPartOrLayerItIs) {
+TEST(ColorPicture, TheColorIsFoundInWhicheverPartOrLayerItIs) {
   const tests::TemporaryFolder folder;
   const std::vector<float> expected = {1, 2, 3};
   const std::vector<std::vector<Part>> right = {
@@ -263,7 +263,7 @@ TEST(ColorPicture, TheColourIsFoundInWhicheverPartOrLayerItIs) {
   EXPECT_EQ(firstTexel(read(folder / "a.exr")), (std::vector<float>{5, 5, 5}));
 }
 
-TEST(ColorPicture, WhatIsNoColourIsRefusedByName) {
+TEST(ColorPicture, WhatIsNoColorIsRefusedByName) {
   const tests::TemporaryFolder folder;
   const std::vector<std::pair<std::vector<Part>, std::string>> wrong = {
       {{{{"Z"}, {1}}}, "Z"},

@@ -131,7 +131,7 @@ TEST(Image, PngRoundsAndClamps) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_FLOAT_EQ(read.values[i], codes[i] / 255);
 }
 
-TEST(Image, AlphaDoesNotTouchColour) {
+TEST(Image, AlphaDoesNotTouchColor) {
   const ScratchFolder folder;
   Image image(1, 1, {"R", "G", "B", "A"});
   image.values = {1, 0.2F, 0.4F, 0};

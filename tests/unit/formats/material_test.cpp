@@ -142,7 +142,7 @@ TEST(SurfaceMaterials, HaveTheAlbedoOfEachFace) {
   EXPECT_EQ(surface.only(), nullptr);
 }
 
-TEST(SurfaceMaterials, ColoursOfTheMeshAreTheAlbedoWhereNoneIsGiven) {
+TEST(SurfaceMaterials, ColorsOfTheMeshAreTheAlbedoWhereNoneIsGiven) {
   TriangleMesh mesh = twoMaterials(false);
   mesh.colors.assign(6, {0.5F, 0.25F, 0.125F});
   EXPECT_EQ(materialsOn(mesh, {}, "", "").vertex_albedo, mesh.colors);

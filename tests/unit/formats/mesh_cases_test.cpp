@@ -63,7 +63,7 @@ TEST(MeshCases, AFaceOfTwoCornersIsNoted) {
               testing::ElementsAre(testing::AllOf(HasSubstr("fewer than 3 corners"), HasSubstr("line 33"))));
 }
 
-TEST(MeshCases, FacesHaveTheColoursOfTheirMaterials) {
+TEST(MeshCases, FacesHaveTheColorsOfTheirMaterials) {
   const TriangleMesh mesh = importMesh(kCases / "obj/mtl_colours/box.obj").mesh;
   ASSERT_EQ(mesh.material_names, (std::vector<std::string>{"red", "green"}));
   ASSERT_EQ(mesh.triangle_materials.size(), 20U);

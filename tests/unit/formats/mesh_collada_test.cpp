@@ -187,7 +187,7 @@ TEST_F(ColladaFiles, MaterialsByFace) {
   expectPaints(read, "materials");
 }
 
-TEST_F(ColladaFiles, ColoursAndTextureCoordinatesOfVertices) {
+TEST_F(ColladaFiles, ColorsAndTextureCoordinatesOfVertices) {
   const std::string inputs =
       "<input semantic=\"TEXCOORD\" source=\"#uv\" offset=\"0\" set=\"0\"/>"
       "<input semantic=\"COLOR\" source=\"#c\" offset=\"0\" set=\"0\"/>";

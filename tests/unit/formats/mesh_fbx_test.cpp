@@ -282,7 +282,7 @@ TEST_F(FbxFiles, MaterialsByFace) {
   }
 }
 
-TEST_F(FbxFiles, ColoursAndTextureCoordinatesOfCorners) {
+TEST_F(FbxFiles, ColorsAndTextureCoordinatesOfCorners) {
   for (const FbxEncoding encoding : kEncodings) {
     const MeshImport read = import(fbxFile(sceneOf({.colored = true}), encoding));
     expectMovedBracket(

@@ -121,7 +121,7 @@ TEST(GltfAccessors, SparseAccessors) {
   EXPECT_EQ(mesh.positions[2], (Float3{0, 0, 0})) << "without a view, what is not replaced is zero";
 }
 
-TEST(GltfAccessors, ColoursAndTextureCoordinatesOfAllTypes) {
+TEST(GltfAccessors, ColorsAndTextureCoordinatesOfAllTypes) {
   GltfMaker file = bracketFile();
   const std::vector<std::uint8_t> bytes(36, 51);
   const std::vector<std::uint16_t> shorts(48, 13107);

@@ -205,7 +205,7 @@ void expectColor(const Float3& color, const Float3& expected) {
 // 0.5 and code 128 as light: IEC 61966-2-1 by hand.
 constexpr float kLinearOfHalf = 0.21404114F, kLinearOf128 = 0.21586050F, kLinearOf2Percent = 0.02F / 12.92F;
 
-TEST_F(MeshImportTest, ObjColoursAreDisplayCodes) {
+TEST_F(MeshImportTest, ObjColorsAreDisplayCodes) {
   const MeshImport read = import("a.obj", "v 0 0 0 1 0 0.5\nv 1 0 0 0 0.02 0\nv 0 0.5 0 0 0 1\nf 1 2 3\n");
   expectColor(colorAt(read.mesh, {0, 0, 0}), {1, 0, kLinearOfHalf});
   expectColor(colorAt(read.mesh, {1, 0, 0}), {0, kLinearOf2Percent, 0});
@@ -243,7 +243,7 @@ std::string plyWith(const std::string& type, const std::string& first, const std
          first + "\n1 0 0 " + second + "\n0 1 0 " + first + "\n3 0 1 2\n";
 }
 
-TEST_F(MeshImportTest, PlyColoursOfEightBitsAreDisplayCodesAndFloatsAreLight) {
+TEST_F(MeshImportTest, PlyColorsOfEightBitsAreDisplayCodesAndFloatsAreLight) {
   const MeshImport codes = import("a.ply", plyWith("uchar", "255 0 128", "0 128 255"));
   expectColor(colorAt(codes.mesh, {0, 0, 0}), {1, 0, kLinearOf128});
   expectColor(colorAt(codes.mesh, {1, 0, 0}), {0, kLinearOf128, 1});
@@ -252,7 +252,7 @@ TEST_F(MeshImportTest, PlyColoursOfEightBitsAreDisplayCodesAndFloatsAreLight) {
   expectColor(colorAt(floats.mesh, {1, 0, 0}), {0.25F, 0.02F, 0});
 }
 
-TEST_F(MeshImportTest, ColoursOutsideTheRangeAreClampedAndNoted) {
+TEST_F(MeshImportTest, ColorsOutsideTheRangeAreClampedAndNoted) {
   const MeshImport read = import("a.ply", plyWith("float", "1 0 0.5", "1.5 -1 0"));
   expectColor(colorAt(read.mesh, {1, 0, 0}), {1, 0, 0});
   EXPECT_THAT(read.notes, testing::Contains(AllOf(HasSubstr("1 vertex colour"), HasSubstr("clamped"))));
@@ -278,7 +278,7 @@ std::string coloredGltf(const std::string& accessor, int size, const std::string
 const std::string kFloatColors = "AACAPwAAAAAAAAA/AACAPgAAAD8AAAAAAAAAAAAAAAAAAIA/";
 const std::string kByteColors = "/wCA/0CAAP8AAP//";
 
-TEST_F(MeshImportTest, GltfColoursAreLight) {
+TEST_F(MeshImportTest, GltfColorsAreLight) {
   const std::string floats = R"("componentType":5126,"type":"VEC3")";
   const MeshImport read = import("a.gltf", coloredGltf(floats, 36, kFloatColors));
   expectColor(colorAt(read.mesh, {0, 0, 0}), {1, 0, 0.5F});
@@ -290,7 +290,7 @@ TEST_F(MeshImportTest, GltfColoursAreLight) {
   expectColor(colorAt(coded.mesh, {1, 0, 0}), {64 / 255.0F, 128 / 255.0F, 0});
 }
 
-TEST_F(MeshImportTest, VerticesWithoutColourAreWhiteAndNoted) {
+TEST_F(MeshImportTest, VerticesWithoutColorAreWhiteAndNoted) {
   const MeshImport read =
       import("a.gltf", coloredGltf(R"("componentType":5126,"type":"VEC3")", 36, kFloatColors, true));
   EXPECT_EQ(read.mesh.vertexCount(), 6U);
@@ -299,7 +299,7 @@ TEST_F(MeshImportTest, VerticesWithoutColourAreWhiteAndNoted) {
   EXPECT_THAT(read.notes, testing::Contains(AllOf(HasSubstr("3 vertices"), HasSubstr("white"))));
 }
 
-TEST_F(MeshImportTest, ColoursOfOurOwnPlyAreTakenAsTheyAre) {
+TEST_F(MeshImportTest, ColorsOfOurOwnPlyAreTakenAsTheyAre) {
   TriangleMesh mesh = wavyGrid(2);
   mesh.colors = {{0.5F, 0, 0.02F}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   writePly(folder_ / "a.ply", mesh);

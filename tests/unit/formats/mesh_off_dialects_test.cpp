@@ -100,7 +100,7 @@ TEST_F(OffDialects, HeadersSayWhatVerticesHave) {
     EXPECT_THAT(errorOf(bracketOff(std::string(keyword) + "\n12 20 0\n")), HasSubstr(keyword));
 }
 
-TEST_F(OffDialects, ColoursOfFaces) {
+TEST_F(OffDialects, ColorsOfFaces) {
   for (const char* color : {" 255 0 0", " 255 0 0 255", " 1.0 0.0 0.0", " 1.0 0 0 1", " 1 0 0"}) {
     const MeshImport read = import(bracketOff("OFF\n12 20 0\n", "", color));
     expectSameTriangles(read.mesh, bracket(), color);

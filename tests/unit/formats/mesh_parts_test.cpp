@@ -96,7 +96,7 @@ TEST(MeshPartsTest, TrianglesWithoutMaterialGetANamelessOneIfOthersHaveOne) {
   EXPECT_THAT(without.mesh.colors, IsEmpty()) << "no triangle has the colour";
 }
 
-TEST(MeshPartsTest, MissingColoursAreWhiteAndNoted) {
+TEST(MeshPartsTest, MissingColorsAreWhiteAndNoted) {
   MeshPart red = square(), painted = square(), plain = square(), textured = square();
   red.material = 0, textured.material = 1;
   painted.colors.assign(4, {0.25F, 0.5F, 0.75F});
@@ -111,7 +111,7 @@ TEST(MeshPartsTest, MissingColoursAreWhiteAndNoted) {
   EXPECT_THAT(read.notes, Contains(AllOf(HasSubstr("4 vertices"), HasSubstr("white"))));
 }
 
-TEST(MeshPartsTest, ColoursOutsideTheRangeAreClampedAndNoted) {
+TEST(MeshPartsTest, ColorsOutsideTheRangeAreClampedAndNoted) {
   MeshPart part = square();
   part.material = 0;
   part.colors = {{2, 0.5F, -1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
@@ -121,7 +121,7 @@ TEST(MeshPartsTest, ColoursOutsideTheRangeAreClampedAndNoted) {
                                       HasSubstr("the colour of 1 material was outside")));
 }
 
-TEST(MeshPartsTest, ColoursThatAreNotFiniteAreLeftOutAndNoted) {
+TEST(MeshPartsTest, ColorsThatAreNotFiniteAreLeftOutAndNoted) {
   MeshPart part = square();
   part.colors = {{kNan, 0, 0}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
   MeshImport read = merged(partsOf({part}), "a");

@@ -186,7 +186,7 @@ std::string triangleWith(Encoding encoding, const std::string& type, const std::
   return ply.value("uchar", 3).value("int", 0).value("int", 1).value("int", 2).endRow().text();
 }
 
-TEST_F(PlyDialects, ColoursByNameAndType) {
+TEST_F(PlyDialects, ColorsByNameAndType) {
   const std::vector<std::array<std::string, 3>> names = {
       {"red", "green", "blue"}, {"r", "g", "b"}, {"diffuse_red", "diffuse_green", "diffuse_blue"}};
   struct Case {
@@ -208,7 +208,7 @@ TEST_F(PlyDialects, ColoursByNameAndType) {
       }
 }
 
-TEST_F(PlyDialects, ColoursOfFacesEndAtTheirBorders) {
+TEST_F(PlyDialects, ColorsOfFacesEndAtTheirBorders) {
   for (const Encoding encoding : kEncodings) {
     PlyText ply(encoding);
     ply.header("element vertex 4")

@@ -128,7 +128,7 @@ TEST_F(StlDialects, NormalsAgainstTheWindingAreNoted) {
   EXPECT_THAT(read.notes, testing::ElementsAre(HasSubstr("4 facets are wound against the normal")));
 }
 
-TEST_F(StlDialects, ColoursOfFacets) {
+TEST_F(StlDialects, ColorsOfFacets) {
   std::vector<std::uint16_t> viscam(20, 0x8000 | 31 << 10), materialise(20, 31);
   viscam[3] = 0;                       // no colour of its own
   materialise[3] = 0x8000 | 31 << 10;  // the whole's

@@ -47,7 +47,7 @@ TEST(MissingPictures, AreNotedAlikeInEveryFormat) {
   const ScratchFolder folder;
   writeQuickly(folder / "a.mtl", "newmtl paint\nKd 0.5 0.25 1\nmap_Kd none.png\n");
   struct Case {
-    const char *name, *place, *material, *colour;
+    const char *name, *place, *material, *color;
     std::string text;
   };
   for (const Case& c : std::initializer_list<Case>{
@@ -63,9 +63,9 @@ TEST(MissingPictures, AreNotedAlikeInEveryFormat) {
     EXPECT_THAT(
         read.notes,
         Contains(AllOf(HasSubstr(c.place), HasSubstr("the picture 'none.png' does not exist"),
-                       HasSubstr(c.material), HasSubstr(c.colour), HasSubstr("put the picture there"))))
+                       HasSubstr(c.material), HasSubstr(c.color), HasSubstr("put the picture there"))))
         << c.name;
-    if (std::string(c.colour).starts_with("(0.5")) {
+    if (std::string(c.color).starts_with("(0.5")) {
       EXPECT_EQ(read.mesh.colors.at(0), (Float3{0.5F, 0.25F, 1})) << c.name;
     }
   }

@@ -63,7 +63,7 @@ TEST_P(StoredPack, DracoKeepsEveryTableInStep) {
   expectSamePack(read, source);
 }
 
-TEST_P(StoredPack, QuantisedNormalsKeepFramesOfRightAngles) {
+TEST_P(StoredPack, QuantizedNormalsKeepFramesOfRightAngles) {
   const Pack source = pack(9);
   const Pack read = roundTrip(source, {.draco = true, .position_bits = 10, .normal_bits = 6});
   ASSERT_EQ(read.sh().glossy->tangents.size(), source.mesh.vertexCount());
@@ -101,7 +101,7 @@ TEST(PackContents, VersionIsTheOneWritten) {
   EXPECT_EQ(packVersion(encodePack(diffusePack(wavyGrid(2), 1), {}, "a.glb"), "a.glb"), 3);
 }
 
-TEST(PackContents, GltfViewersSeeRoughnessTangentsAndColours) {
+TEST(PackContents, GltfViewersSeeRoughnessTangentsAndColors) {
   const auto documentOf = [](Lobe lobe) {
     return jsonOf(
         encodePack(glossyPack(wavyGrid(3), Storage::kMatrix, Precision::kUint8, lobe), {}, "a.glb"));

@@ -180,7 +180,7 @@ TEST(PackWithDraco, DegenerateIsolatedAndNonManifoldStayInStep) {
   expectSamePack(read, pack);
 }
 
-TEST(PackWithDraco, QuantisationErrsByHalfAStepAtMost) {
+TEST(PackWithDraco, QuantizationErrsByHalfAStepAtMost) {
   const Pack pack = diffusePack(wavyGrid(17), 1);
   const DracoMesh draco = encodeDraco(pack.mesh, 12, 10, "a.glb");
   ASSERT_EQ(draco.source_from_decoded.size(), pack.mesh.vertexCount());

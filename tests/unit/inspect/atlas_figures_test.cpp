@@ -79,7 +79,7 @@ TEST(AtlasFigures, CollapsedTrianglesAndThoseOutsideAreCounted) {
   EXPECT_NEAR(measureAtlas(slit).l2_stretch, 1, 1e-12);
 }
 
-TEST(AtlasFigures, NeighboursGetDifferentNumbers) {
+TEST(AtlasFigures, NeighborsGetDifferentNumbers) {
   // 5 × 5 squares, a chart each.
   TriangleMesh mesh;
   for (int y = 0; y < 5; ++y)

@@ -78,7 +78,7 @@ TEST(AtlasPreview, ATriangleWithoutTextureIsMagentaOnTheModel) {
   EXPECT_GT(upper_left[2], upper_left[1] + 0.3f);
 }
 
-TEST(AtlasPreview, ChartsOnTheModelHaveTheirColoursAndADarkLineBetween) {
+TEST(AtlasPreview, ChartsOnTheModelHaveTheirColorsAndADarkLineBetween) {
   TriangleMesh mesh = texturedSquare({0, 0}, {0.4f, 0.4f});
   appendSquare(mesh, {1, 0, 0}, 1, {0.5f, 0.5f}, {0.9f, 0.9f});
   PreviewOptions options;
@@ -92,7 +92,7 @@ TEST(AtlasPreview, ChartsOnTheModelHaveTheirColoursAndADarkLineBetween) {
   EXPECT_LT(sum(middle), 0.6 * std::min(sum(left), sum(right)));
 }
 
-TEST(AtlasPreview, MaterialsHaveTheirColoursWithOrWithoutTexcoords) {
+TEST(AtlasPreview, MaterialsHaveTheirColorsWithOrWithoutTexcoords) {
   TriangleMesh mesh = texturedSquare({0, 0}, {0.4f, 0.4f});
   appendSquare(mesh, {1, 0, 0}, 1, {0.5f, 0.5f}, {0.9f, 0.9f});
   PreviewOptions options;
@@ -148,7 +148,7 @@ TEST(AtlasPreview, NamesAndChoicesAgree) {
   EXPECT_EQ(layoutOf("atlas"), Layout::kAtlas);
 }
 
-TEST(Colormap, ChartColoursAreFarApart) {
+TEST(Colormap, ChartColorsAreFarApart) {
   for (std::uint32_t i = 0; i < kChartColors; ++i)
     for (std::uint32_t j = 0; j < i; ++j)
       EXPECT_GT(difference(chartColor(i), chartColor(j)), 0.15) << i << " " << j;

@@ -126,7 +126,7 @@ TEST(DescribePack, AnOldPackIsWhatItWas) {
   EXPECT_EQ(json["transfer"]["kind"], "sh");
 }
 
-TEST(DescribeTensors, EnergyOfColouredTransferIsThatOfAllChannels) {
+TEST(DescribeTensors, EnergyOfColoredTransferIsThatOfAllChannels) {
   formats::TensorFile file;
   std::vector<float> values(1 * 3 * 4, 0.0f);
   values[0] = 3;      // red, l = 0

@@ -30,7 +30,7 @@ TEST(ImageFigures, ChannelsCountWhatIsNotFinite) {
   EXPECT_DOUBLE_EQ(channels[1].rootMeanSquare(), std::sqrt(8.0));
 }
 
-TEST(ImageFigures, ColourChannelsAreFoundUnderAnyLayer) {
+TEST(ImageFigures, ColorChannelsAreFoundUnderAnyLayer) {
   EXPECT_EQ(colorChannels(Image(1, 1, {"C.B", "C.G", "C.R"})), (std::array<std::size_t, 3>{2, 1, 0}));
   EXPECT_EQ(colorChannels(Image(1, 1, {"Y"})), (std::array<std::size_t, 3>{0, 0, 0}));
   EXPECT_EQ(colorChannels(Image(1, 1, {"sh00", "sh01"})), std::nullopt);

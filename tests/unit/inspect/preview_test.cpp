@@ -70,7 +70,7 @@ TEST(Preview, AMeshWithoutExtentIsAnError) {
   EXPECT_THROW(previewMesh({}, {}, "empty.ply"), Error);
 }
 
-TEST(Preview, APackShowsItsBaseColour) {
+TEST(Preview, APackShowsItsBaseColor) {
   const formats::Pack pack = squarePack();
   const Preview preview = previewPack(pack, {.size_px = 17, .yaw_deg = 0, .pitch_deg = 0}, "a.glb");
   const auto center = pixel(preview.image, 8, 8);
@@ -123,7 +123,7 @@ TEST(Preview, ShrinkingAveragesAndNanIsMagenta) {
   EXPECT_THAT(pixel(preview.image, 1, 0), ElementsAre(1, 0, 1));
 }
 
-TEST(Preview, OtherChannelsAreScaledToGrey) {
+TEST(Preview, OtherChannelsAreScaledToGray) {
   Image image(2, 1, {"depth", "id"});
   image.values = {-5, 7, 15, 7};
   const Preview preview = previewImage(image, false, {.size_px = 2});
@@ -148,7 +148,7 @@ TEST(Preview, BandsAreDivided) {
   EXPECT_THAT(pixel(preview.image, 8, 0), ElementsAre(1, 1, 1));
 }
 
-TEST(Preview, ColouredTransferHasItsChannelsSideBySide) {
+TEST(Preview, ColoredTransferHasItsChannelsSideBySide) {
   formats::TensorFile file = table(std::vector<float>(12, 0.0f), 1, 12);
   file.tensors["transfer"].shape = {1, 3, 4};
   const Preview preview = previewTensors(file, {.size_px = 48}, "a");

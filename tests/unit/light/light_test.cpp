@@ -51,7 +51,7 @@ TEST(Light, MinimumTellsOfRinging) {
   EXPECT_EQ(minimum(rigOf({})), 0);
 }
 
-TEST(Light, TensorHoldsCoefficientsByColour) {
+TEST(Light, TensorHoldsCoefficientsByColor) {
   const auto rig = rigOf({formats::DiskLight{.radiance = {1, 2, 3}}}, 0.01);
   const auto light = transport::distantLight(rig, 3);
   const formats::TensorFile file = tensorFile(light, 3);

@@ -195,7 +195,7 @@ TEST(Packing, LightHasBouncedOffTheAlbedoThatIsShown) {
   EXPECT_THAT(errorOf(transfer, options), AllOf(HasSubstr("tensor albedo"), HasSubstr("2 × 3")));
 }
 
-TEST(Packing, ColoursAreTheMaterialsNotTheMeshs) {
+TEST(Packing, ColorsAreTheMaterialsNotTheMeshs) {
   TriangleMesh mesh = triangle();
   mesh.colors = {{0.1F, 0.2F, 0.3F}, {0.4F, 0.5F, 0.6F}, {0.7F, 0.8F, 0.9F}};
   const Pack pack = assemblePack(mesh, diffuseTransfer(), nullptr, packed(), kNames);

@@ -48,7 +48,7 @@ TEST(Budget, ErrorAndSizeTogetherAreKeptByTheSmallest) {
   EXPECT_EQ(chosen({{"error", 0.06}, {"bytes", 1000}}), "small");
 }
 
-TEST(Budget, TheChoiceSaysWhyAndWhatTheNeighboursCost) {
+TEST(Budget, TheChoiceSaysWhyAndWhatTheNeighborsCost) {
   const Json choice = chooseVariant(parseBudget({{"error", 0.05}}, kPlace), report(), kPlace);
   EXPECT_EQ(choice.at("rel_rmse"), 0.05);
   EXPECT_EQ(choice.at("parameters"), Json({{"transfer.order", 4}}));

@@ -112,7 +112,7 @@ TEST_F(DiffusePassTest, SecondLightReplacesTheFirst) {
   EXPECT_LT(largestRelativeError(made, readBack(evaluated.pass.buffer(), 100)), 1e-5);
 }
 
-TEST_F(DiffusePassTest, ChannelsColoursAndAdditionMultiplyOut) {
+TEST_F(DiffusePassTest, ChannelsColorsAndAdditionMultiplyOut) {
   constexpr std::size_t kVertices = 70;
   // Order 1: the transfer of a vertex is one number a channel.
   std::vector<float> transfer;

@@ -167,7 +167,7 @@ TEST_F(NearFieldLightsTest, ApproachingLightIsFiniteAndMonotone) {
   EXPECT_NEAR(before, std::sqrt(4 * kPi), 1e-5);
 }
 
-TEST_F(NearFieldLightsTest, QuadThroughTheCentreIsFinite) {
+TEST_F(NearFieldLightsTest, QuadThroughTheCenterIsFinite) {
   const auto light = lightOf(quadEmitter({0, 0, 0}, {0.3f, 1, 0.2f}, {1, 1, 1}));
   for (const auto& coefficient : light)
     for (const float value : coefficient) {

@@ -56,7 +56,7 @@ TEST_F(RendererTest, FurnaceIsWhite) {
   }
 }
 
-TEST_F(RendererTest, BaseColourMultipliesTheSurfaceAlone) {
+TEST_F(RendererTest, BaseColorMultipliesTheSurfaceAlone) {
   formats::Pack pack = spherePack(2, 32);
   pack.appearances[0].base_color = {0.25f, 0.5f, 0.75f};
   Renderer renderer(pack, uniformLighting(2, 1));

@@ -92,7 +92,7 @@ Vec3 eyeAt(double angle) {
 
 class UniformSky : public testing::TestWithParam<std::tuple<LobeCase, Integrator>> {};
 
-TEST_P(UniformSky, LobeGivesItsColourTimesItsShareAboveTheSurface) {
+TEST_P(UniformSky, LobeGivesItsColorTimesItsShareAboveTheSurface) {
   const auto& [shape, integrator] = GetParam();
   const Scene scene =
       sceneOf(surfaceOf(floorSquare(1), 0.3f, lobe(shape.model, shape.parameter), ReflectionModel::kLobe),

@@ -88,7 +88,7 @@ TEST(Flip, DoesNotSeeWhatTheEyeCannotResolve) {
 }
 
 // Further channels, here alpha, do not count.
-TEST(Flip, LooksAtColoursOnly) {
+TEST(Flip, LooksAtColorsOnly) {
   const formats::Image reference = uniform(0.2F, 0.5F, 0.7F), test = uniform(0.3F, 0.5F, 0.7F);
   formats::Image with_alpha(test.width, test.height, {"R", "G", "B", "A"});
   for (std::size_t i = 0; i < test.values.size() / 3; ++i) {

@@ -32,7 +32,7 @@ void expectNear(const Float3& color, const Float3& expected) {
   for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(color[c], expected[c], 1e-6);
 }
 
-TEST(CaseFiles, ColoursOfMtlMaterialsByFace) {
+TEST(CaseFiles, ColorsOfMtlMaterialsByFace) {
   const TriangleMesh mesh = simplified("obj/mtl_colours/box.obj").mesh;
   EXPECT_EQ(mesh.material_names, (std::vector<std::string>{"red", "green"}));
   for (const std::size_t count : formats::trianglesOfMaterials(mesh)) EXPECT_GT(count, 0u);
@@ -43,7 +43,7 @@ TEST(CaseFiles, ColoursOfMtlMaterialsByFace) {
                  mesh.triangle_materials[t] == 0 ? Float3{0.8f, 0.05f, 0.05f} : Float3{0.05f, 0.8f, 0.05f});
 }
 
-TEST(CaseFiles, BaseColourFactor) {
+TEST(CaseFiles, BaseColorFactor) {
   const TriangleMesh mesh = simplified("gltf/base_colour_factor.gltf").mesh;
   ASSERT_EQ(mesh.colors.size(), mesh.vertexCount());
   for (const Float3& color : mesh.colors) expectNear(color, {0.8f, 0.1f, 0.1f});

@@ -73,7 +73,7 @@ TEST(Colors, NothingToCarryGivesNothing) {
 }
 
 // A linear function of the place is its own hat-weighted mean, away from the border.
-TEST(Colors, VertexColoursComeBackWhereTheyAreLinear) {
+TEST(Colors, VertexColorsComeBackWhereTheyAreLinear) {
   TriangleMesh source = square(8);
   for (const auto& p : source.positions) source.colors.push_back({p[0], p[1], 0.25f});
   const TriangleMesh target = square(5);

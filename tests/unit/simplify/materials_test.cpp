@@ -191,7 +191,7 @@ TEST(Materials, RepairTakesEachTrianglesAlong) {
 }
 
 // Vertex 4 lies on the side that the material below shares with a cap of the material above.
-TEST(Materials, AFlatTriangleTakesItsNeighboursMaterial) {
+TEST(Materials, AFlatTriangleTakesItsNeighborsMaterial) {
   WorkingMesh mesh;
   mesh.positions = {{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {1, -1, 0}, {1, 0, 0}};
   mesh.triangles = {{0, 4, 2}, {4, 1, 2}, {0, 1, 4}, {0, 3, 1}};

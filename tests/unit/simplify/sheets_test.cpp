@@ -112,7 +112,7 @@ TEST(Sheets, WithoutMaterialsBothSidesStay) {
   EXPECT_TRUE(mesh.triangle_materials.empty());
 }
 
-TEST(Sheets, EachSideHasItsColour) {
+TEST(Sheets, EachSideHasItsColor) {
   MeshImport import{.mesh = leaf(8, true)};
   const std::size_t half = import.mesh.vertexCount() / 2;
   for (std::size_t v = 0; v < 2 * half; ++v)

@@ -130,7 +130,7 @@ TEST(Survey, BlackBodiesBounceNothing) {
   EXPECT_EQ(result.view_dependence.value, 1);
 }
 
-TEST(Survey, ColoursOfTheMeshAreItsAlbedo) {
+TEST(Survey, ColorsOfTheMeshAreItsAlbedo) {
   TriangleMesh mesh = joined(icosphere(2), icosphere(2, 1, {2.2, 0, 0}));
   mesh.colors.assign(mesh.vertexCount(), gray(0));
   EXPECT_EQ(survey(mesh, {.albedo = gray(1)}).bounce_energy.value, 0);
@@ -187,7 +187,7 @@ TEST(Survey, ViewDependenceIsTheShareOfTheLobe) {
 }
 
 // Half white, half black, seen by area: luminance of a red lobe over that and the mean albedo.
-TEST(Survey, ViewDependenceWeighsColoursByArea) {
+TEST(Survey, ViewDependenceWeighsColorsByArea) {
   TriangleMesh mesh = joined(diskFacingDown({0, 0, 0}, 1, 32), diskFacingDown({5, 0, 0}, 2, 32));
   for (std::size_t v = 0; v < mesh.vertexCount(); ++v) mesh.colors.push_back(gray(v < 33 ? 1 : 0));
   const double red = transport::luminance({0.5, 0, 0});

@@ -87,7 +87,7 @@ TEST(Interreflection, ChannelsAreIndependent) {
 // Two large parallel plates that face each other at distance d: at their middle each sees the other's share
 // F = 2 (Lambert, coaxial squares from the centre point); one bounce adds F ρ × the light that reaches the
 // other.
-TEST(Interreflection, AVertexAlbedoColoursItsNeighbour) {
+TEST(Interreflection, AVertexAlbedoColorsItsNeighbor) {
   TriangleMesh corner = plate({0, 0, 0}, {1, 0, 0}, {0, 0, -1}, 8);  // floor, facing +Y
   const std::size_t floor_count = corner.vertexCount();
   append(corner, plate({-1, 1, 0}, {0, 0, 1}, {0, -1, 0}, 8));  // wall, facing +X

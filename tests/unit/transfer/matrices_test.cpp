@@ -150,7 +150,7 @@ TEST(Matrices, WhiteFurnaceFillsTheShadows) {
   EXPECT_LT(worst, 5e-3);
 }
 
-TEST(Matrices, ColouredBouncesNeedThreeChannels) {
+TEST(Matrices, ColoredBouncesNeedThreeChannels) {
   const TriangleMesh pair = pairOfSpheres();
   const std::vector<Float3> colored = {{0.9f, 0.5f, 0.1f}};
   const Transfer baked = bake(pair, glossy(Transport::kInterreflected, 2, 2, 512), colored);

@@ -155,7 +155,7 @@ TEST(Outliers, WhiteFurnace) {
     EXPECT_NEAR(openShare(baked, 1, v), 1, 2e-3) << "vertex " << v;
 }
 
-TEST(Outliers, ShadowsThatNeighboursShareAreNone) {
+TEST(Outliers, ShadowsThatNeighborsShareAreNone) {
   // A ball on the floor: dark below, and darker towards the point of contact.
   TriangleMesh scene = floorOfCells();
   append(scene, icosphere(3, 4, Vec3(12, 4.5, -12)));

@@ -136,7 +136,7 @@ TEST(Transfer, NothingIsSeenInsideAClosedBody) {
 
 // Two spheres that overlap: what lies inside the other one takes over the transfer of the rim, instead of
 // staining it black.
-TEST(Transfer, VerticesInsideAnotherPartAreFilledFromTheirNeighbours) {
+TEST(Transfer, VerticesInsideAnotherPartAreFilledFromTheirNeighbors) {
   TriangleMesh pair = icosphere(3);
   const std::size_t first = pair.vertexCount();
   append(pair, icosphere(3, 0.8, Vec3(0.9, 0, 0)));

@@ -36,10 +36,10 @@ TEST(CubeMap, SolidAngleIsTheIntegralOverTheTexel) {
 
 // The OpenGL table: which direction a face's centre and upper left corner look.
 TEST(CubeMap, FacesHaveOpenGlsOrderAndOrientation) {
-  const Vec3 centres[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  const Vec3 centers[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   const Vec3 upper_left[] = {{1, 1, 1}, {-1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {-1, 1, 1}, {1, 1, -1}};
   for (int face = 0; face < kCubeFaces; ++face) {
-    EXPECT_LT((directionOfCubeFace(face, 0.5, 0.5) - centres[face]).norm(), 1e-12) << face;
+    EXPECT_LT((directionOfCubeFace(face, 0.5, 0.5) - centers[face]).norm(), 1e-12) << face;
     EXPECT_LT((directionOfCubeFace(face, 0, 0) - upper_left[face].normalized()).norm(), 1e-12) << face;
   }
 }

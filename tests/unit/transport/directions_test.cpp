@@ -23,7 +23,7 @@ TEST(SphereDirections, AreUnitAndIntegrateTheBasis) {
   for (std::size_t i = 1; i < mean.size(); ++i) EXPECT_NEAR(mean[i], 0, 5e-5) << "coefficient " << i;
 }
 
-TEST(SphereDirections, NeighboursInTheListAreNeighboursOnTheSphere) {
+TEST(SphereDirections, NeighborsInTheListAreNeighborsOnTheSphere) {
   const int count = 4096;
   const std::vector<Vec3> directions = sphereDirections(count);
   double total_angle = 0;

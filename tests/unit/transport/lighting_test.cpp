@@ -19,7 +19,7 @@ TEST(Lighting, ImageOfTheDefaultLightProjectsBackToIt) {
       EXPECT_NEAR(projected[i][c], lighting.distant[i][c], 0.01 * lighting.distant[0][c]) << i;
 }
 
-TEST(Lighting, EnvironmentKeepsColoursWhateverTheirLayerAndOrder) {
+TEST(Lighting, EnvironmentKeepsColorsWhateverTheirLayerAndOrder) {
   formats::Image layered(4, 2, {"sky.B", "sky.G", "sky.R", "sky.Z"});
   for (int y = 0; y < 2; ++y)
     for (int x = 0; x < 4; ++x)

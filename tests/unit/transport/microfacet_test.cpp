@@ -134,7 +134,7 @@ TEST(Microfacets, FresnelRisesToOne) {
 
 // The mean of multiple scattering over all light is what single scattering leaves, coloured once more a
 // bounce.
-TEST(Microfacets, ColourOfMultipleScatteringIsThatOfTwoBouncesAndMore) {
+TEST(Microfacets, ColorOfMultipleScatteringIsThatOfTwoBouncesAndMore) {
   const Microfacets white(kWhite, 0.9, false, true), gray(0.5 * kWhite, 0.9, false, true);
   EXPECT_NEAR(white.multipleColor()[0], 1, 1e-9);
   EXPECT_LT(gray.multipleColor()[0], 0.25) << "two bounces or more";

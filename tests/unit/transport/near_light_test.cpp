@@ -59,7 +59,7 @@ TEST(NearLight, IsInTheTurnedObjectsFrame) {
   EXPECT_GT(difference, 0.3 * still[0][1]) << "the turn shows";
 }
 
-TEST(NearLight, StandsAtTheVirtualSpheresCentreWherePacksHaveNearVectors) {
+TEST(NearLight, StandsAtTheVirtualSpheresCenterWherePacksHaveNearVectors) {
   formats::Pack pack = tests::spherePack(kOrder, 8);
   formats::Emitter lamp;
   lamp.shape = formats::Emitter::Shape::kSphere;

@@ -184,7 +184,7 @@ INSTANTIATE_TEST_SUITE_P(Storages, PackStorages,
                          testing::Values(Storage::kMatrix, Storage::kVisibility, Storage::kCpca),
                          [](const auto& instance) { return nameOf(instance.param); });
 
-TEST(VertexShading, AddsGlossyToColouredDiffuse) {
+TEST(VertexShading, AddsGlossyToColoredDiffuse) {
   Pack pack = convexPack();
   pack.appearances[0].base_color = {0.5f, 0.25f, 1};
   pack.colors.assign(kVertices, {1, 1, 1});
@@ -217,7 +217,7 @@ TEST(VertexShading, TakesNearLightThroughItsOwnVectors) {
   for (std::size_t v = 0; v < kVertices; ++v) EXPECT_NEAR(near_only[v][1], of_near[v][1] / 2, 1e-5);
 }
 
-TEST(VertexShading, ReadsOneVectorAColour) {
+TEST(VertexShading, ReadsOneVectorAColor) {
   Pack pack = convexPack();
   const std::vector<float> single = pack.sh().vectors.decode();
   const std::size_t count = coefficientCount(kOrder);

@@ -163,7 +163,7 @@ class Charting {
       merge();
       // Straight borders would bring triangles with them that cannot be projected; and those of a proxy's
       // charts are straight already.
-      if (options_.flattening.parameterisation != Parameterisation::kProjection &&
+      if (options_.flattening.parameterization != Parameterization::kProjection &&
           report_.proxy_triangles == 0)
         straighten();
     }
@@ -179,7 +179,7 @@ class Charting {
 
   // Whether a triangle can be projected depends on its own normal, which a proxy does not have.
   bool isWorthProxy() const {
-    return options_.flattening.parameterisation != Parameterisation::kProjection &&
+    return options_.flattening.parameterization != Parameterization::kProjection &&
            static_cast<double>(surface_.triangleCount()) >
                kLeastReduction * static_cast<double>(options_.proxy_triangles);
   }
@@ -348,7 +348,7 @@ class Charting {
   // Halves, or more parts where more are likely to be needed; or, where most of a piece could be projected
   // along its mean normal, that and the scraps that could not.
   std::vector<TriangleSet> partsOf(const TriangleSet& triangles, double excess) const {
-    if (options_.flattening.parameterisation == Parameterisation::kProjection) {
+    if (options_.flattening.parameterization == Parameterization::kProjection) {
       const Vec3 axis = meanNormal(surface_, triangles);
       std::vector<std::int32_t> labels;
       double area = 0;

@@ -13,7 +13,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr std::array<double, 3> kBendWeights = {-0.5, 1, -0.5};
 // Relative to the Hessian's mean diagonal: the energy does not see motions of the whole chart.
-constexpr double kRegularisation = 1e-8;
+constexpr double kRegularization = 1e-8;
 // Conjugate gradients end when the residual has shrunk to this share, in the preconditioner's norm.
 constexpr double kResidual = 0.05;
 constexpr int kMostIterations = 200;
@@ -139,7 +139,7 @@ double SymmetricDirichlet::step(const std::vector<Vec2>& plane, Eigen::VectorXd&
   std::fill_n(hessian_.valuePtr(), hessian_.nonZeros(), 0.0);
   for (std::size_t i = 0; i < rest_.size(); ++i) addTriangle(i, plane, gradient);
   for (const Bend& bend : bends_) addBend(bend, plane, gradient);
-  const double shift = kRegularisation * hessian_.diagonal().mean();
+  const double shift = kRegularization * hessian_.diagonal().mean();
   for (Eigen::Index k = 0; k < hessian_.rows(); ++k) hessian_.coeffRef(k, k) += shift;
   if (last_iterations_ == 0 || last_iterations_ > kManyIterations) renewPreconditioner();
   last_iterations_ = solve(gradient, direction);

@@ -60,7 +60,7 @@ bool isWithinStretch(const Chart& chart, const std::vector<Vec2>& plane, const F
 
 // From a start without flipped triangles until it is within the limits, or will hardly ever be.
 std::vector<Vec2> relaxed(const Chart& chart, std::vector<Vec2> start, const FlatteningOptions& options) {
-  return minimiseDistortion(chart, std::move(start), {.enough_l2 = largestStretch(chart, options)});
+  return minimizeDistortion(chart, std::move(start), {.enough_l2 = largestStretch(chart, options)});
 }
 
 bool isGood(const Chart& chart, const std::vector<Vec2>& plane, const FlatteningOptions& options) {
@@ -100,7 +100,7 @@ Plane freely(const Surface& surface, const Chart& chart, const FlatteningOptions
   if (!isWithinStretch(chart, *plane, options) || isInjective(chart, *plane) || mend(chart, *plane, options))
     return plane;
   // Where little stretch comes sooner than that no part lies on another.
-  *plane = minimiseDistortion(chart, std::move(*plane));
+  *plane = minimizeDistortion(chart, std::move(*plane));
   uncrossBorders(chart, *plane);
   return plane;
 }
@@ -129,12 +129,12 @@ Plane triangleAsItIs(const Chart& chart) {
 Plane planeOf(const Surface& surface, const Chart& chart, const FlatteningOptions& options,
               const Guides& guides) {
   if (chart.triangles.size() == 1) return triangleAsItIs(chart);
-  switch (options.parameterisation) {
-    case Parameterisation::kFree:
+  switch (options.parameterization) {
+    case Parameterization::kFree:
       return freely(surface, chart, options, guides);
-    case Parameterisation::kConvex:
+    case Parameterization::kConvex:
       return convexly(chart, options);
-    case Parameterisation::kProjection:
+    case Parameterization::kProjection:
       return projected(surface, chart, options.normal_threshold_deg);
   }
   return std::nullopt;
@@ -197,20 +197,20 @@ Flattening flatten(const Surface& surface, std::span<const std::uint32_t> triang
 }
 
 bool straightenTeeth(FlatPiece& piece, const FlatteningOptions& options) {
-  if (options.parameterisation != Parameterisation::kFree || !(options.straightness > 0) ||
+  if (options.parameterization != Parameterization::kFree || !(options.straightness > 0) ||
       piece.chart.triangles.size() == 1)
     return false;
   return takeIfValid(
       piece,
-      minimiseDistortion(piece.chart, piece.plane,
+      minimizeDistortion(piece.chart, piece.plane,
                          {.straightness = options.straightness, .least_progress = kLeastProgress}),
       options);
 }
 
 void finish(FlatPiece& piece, const FlatteningOptions& options) {
-  if (options.parameterisation != Parameterisation::kFree || piece.chart.triangles.size() == 1) return;
+  if (options.parameterization != Parameterization::kFree || piece.chart.triangles.size() == 1) return;
   if (!straightenTeeth(piece, options))
-    takeIfValid(piece, minimiseDistortion(piece.chart, piece.plane, {.least_progress = kLeastProgress}),
+    takeIfValid(piece, minimizeDistortion(piece.chart, piece.plane, {.least_progress = kLeastProgress}),
                 options);
 }
 

@@ -14,14 +14,14 @@
 
 namespace bakelight::atlas {
 
-enum class Parameterisation {
+enum class Parameterization {
   kFree,        // borders free, least distortion (free_boundary.h)
   kConvex,      // convex polygons with their corners on a circle (convex_boundary.h)
   kProjection,  // orthographic, charts of similar normals (Lensch et al. 2002, 5.1)
 };
 
 struct FlatteningOptions {
-  Parameterisation parameterisation = Parameterisation::kFree;
+  Parameterization parameterization = Parameterization::kFree;
   double max_stretch = std::numeric_limits<double>::infinity();  // L² stretch of each chart, ≥ 1
   // Charts with less area than this may have 4 times the stretch above 1: a surface that is rough at the
   // scale of its triangles has stretch in the smallest chart, and would fall to thousands of them.

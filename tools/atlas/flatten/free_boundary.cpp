@@ -125,7 +125,7 @@ std::optional<std::vector<Vec2>> flatStart(const Chart& chart) {
   return plane;
 }
 
-std::vector<Vec2> minimiseDistortion(const Chart& chart, std::vector<Vec2> plane,
+std::vector<Vec2> minimizeDistortion(const Chart& chart, std::vector<Vec2> plane,
                                      const FreeBoundaryOptions& options) {
   scaleForLeastStretch(chart, plane);
   SymmetricDirichlet objective(chart, plane, options.straightness);

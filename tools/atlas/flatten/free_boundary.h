@@ -34,7 +34,7 @@ std::optional<std::vector<Vec2>> flatStart(const Chart& chart);
 // turning over. It punishes stretching and shrinking alike, so near isometry its minimum is that of the L²
 // stretch, too. Borders may come to cross: see injectivity.h. Cost: about 10 sparse factorisations of 2 ·
 // vertices unknowns; 5 ms for 500 triangles.
-std::vector<Vec2> minimiseDistortion(const Chart& chart, std::vector<Vec2> start,
+std::vector<Vec2> minimizeDistortion(const Chart& chart, std::vector<Vec2> start,
                                      const FreeBoundaryOptions& options = {});
 
 }  // namespace bakelight::atlas

@@ -5,7 +5,7 @@
 namespace bakelight::atlas {
 namespace {
 
-constexpr double kRegularisation = 1e-8;  // of the mean diagonal
+constexpr double kRegularization = 1e-8;  // of the mean diagonal
 
 // Row and column of the six entries of a group's lower triangle.
 constexpr std::array<std::array<std::size_t, 2>, 6> kLower = {
@@ -40,7 +40,7 @@ void PairLaplacian::setPattern(std::size_t vertices, std::span<const Group> grou
       slots[i] = static_cast<int>(std::lower_bound(begin, end, row) - matrix_.innerIndexPtr());
     }
   }
-  is_analysed_ = false;
+  is_analyzed_ = false;
   ordered_.resize(vertices);
 }
 
@@ -53,10 +53,10 @@ void PairLaplacian::add(std::size_t group, const std::array<double, 6>& lower) {
 }
 
 bool PairLaplacian::factorize() {
-  const double shift = kRegularisation * matrix_.diagonal().mean();
+  const double shift = kRegularization * matrix_.diagonal().mean();
   // The diagonal is the first entry of each column.
   for (Eigen::Index v = 0; v < matrix_.cols(); ++v) matrix_.valuePtr()[matrix_.outerIndexPtr()[v]] += shift;
-  if (!is_analysed_) factor_.analyzePattern(matrix_), is_analysed_ = true;
+  if (!is_analyzed_) factor_.analyzePattern(matrix_), is_analyzed_ = true;
   factor_.factorize(matrix_);
   return factor_.info() == Eigen::Success;
 }

@@ -34,7 +34,7 @@ class PairLaplacian {
   Eigen::SparseMatrix<double> matrix_;  // lower triangle
   std::vector<std::array<int, 6>> slots_;
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
-  bool is_analysed_ = false;
+  bool is_analyzed_ = false;
   std::vector<Vec2> ordered_;
 };
 

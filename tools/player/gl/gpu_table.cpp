@@ -47,17 +47,17 @@ void dispatchItems(std::size_t items) {
 
 GpuTable::GpuTable(const formats::EncodedTable& table)
     : precision_(table.precision), rows_(table.rows), columns_(table.columns) {
-  const bool quantised = precision_ == Precision::kUint8;
-  if (table.data.size() != rows_ * rowBytes() || table.scale.size() != (quantised ? columns_ : 0) ||
+  const bool quantized = precision_ == Precision::kUint8;
+  if (table.data.size() != rows_ * rowBytes() || table.scale.size() != (quantized ? columns_ : 0) ||
       table.offset.size() != table.scale.size())
     throw std::invalid_argument("an encoded table's sizes contradict each other");
   words_ = makeBuffer(wholeWords(table.data.size()), nullptr, GL_DYNAMIC_STORAGE_BIT);
   glNamedBufferSubData(words_.name(), 0, static_cast<GLsizeiptr>(table.data.size()), table.data.data());
-  if (!quantised) return;
+  if (!quantized) return;
   std::vector<formats::Float2> scale_and_offset;
   for (std::size_t column = 0; column < columns_; ++column)
     scale_and_offset.push_back({table.scale[column], table.offset[column]});
-  quantisation_ = makeBuffer(columns_ * sizeof(formats::Float2), scale_and_offset.data());
+  quantization_ = makeBuffer(columns_ * sizeof(formats::Float2), scale_and_offset.data());
 }
 
 std::string GpuTable::definitions() const {
@@ -69,7 +69,7 @@ std::string GpuTable::definitions() const {
 
 void GpuTable::bind(const RowRange& range) const {
   bindRows(0, words_, range, rowBytes());
-  if (precision_ == Precision::kUint8) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, quantisation_.name());
+  if (precision_ == Precision::kUint8) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, quantization_.name());
 }
 
 }  // namespace bakelight::player

@@ -46,13 +46,13 @@ class GpuTable {
   std::string definitions() const;
   // Bindings 0 and 1.
   void bind(const RowRange& range) const;
-  std::size_t gpuBytes() const { return sizeInBytes(words_) + sizeInBytes(quantisation_); }
+  std::size_t gpuBytes() const { return sizeInBytes(words_) + sizeInBytes(quantization_); }
 
  private:
   formats::Precision precision_ = formats::Precision::kFloat32;
   std::size_t rows_ = 0, columns_ = 0;
   Buffer words_;         // padded to whole 32-bit words
-  Buffer quantisation_;  // scale and offset of each column, kUint8 only
+  Buffer quantization_;  // scale and offset of each column, kUint8 only
 };
 
 }  // namespace bakelight::player

@@ -1,7 +1,7 @@
 // A formats::EncodedTable at its precision (tools/player/gl/gpu_table.h); rows of the bound range.
 layout(std430, binding = 0) readonly buffer TableWords { uint table_words[]; };
 #ifdef TABLE_UINT8
-layout(std430, binding = 1) readonly buffer Quantisation { vec2 scale_and_offset[]; };  // a column
+layout(std430, binding = 1) readonly buffer Quantization { vec2 scale_and_offset[]; };  // a column
 #endif
 
 float tableValue(uint row, uint column) {
