@@ -1,0 +1,157 @@
+// Synthesis of three exemplars over a rippled ball of 960,000 vertices: seconds and quality, beside controls
+// whose figures are known.
+//
+//   bench_synthesis [Google Benchmark flags]
+//   BAKELIGHT_BENCH_VERTICES=n      another number of vertices (960000)
+//   BAKELIGHT_BENCH_MESH=path       another mesh, subdivided until it has half as many at least
+//   BAKELIGHT_BENCH_THREADS=n       no more than n threads
+//   BAKELIGHT_BENCH_PICTURES=folder the results as coloured meshes, for `inspect --preview`
+#include <benchmark/benchmark.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "formats/error.h"
+#include "formats/mesh_import.h"
+#include "formats/mesh_ply.h"
+#include "tests/support/exemplars.h"
+#include "tests/support/rippled_ball.h"
+#include "tests/support/textured_surface.h"
+#include "tools/mesomesh/synthesis/synthesize.h"
+
+namespace bakelight::mesomesh {
+namespace {
+
+std::string environment(const char* name, const std::string& fallback) {
+  const char* value = std::getenv(name);
+  return value != nullptr ? value : fallback;
+}
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+const tests::TexturedSurface& largeSurface() {
+  static const tests::TexturedSurface surface = [] {
+    const std::size_t vertices = std::stoul(environment("BAKELIGHT_BENCH_VERTICES", "960000"));
+    const std::string path = environment("BAKELIGHT_BENCH_MESH", "");
+    if (path.empty()) return tests::texturedSurface(tests::rippledBall(2 * vertices));
+    formats::TriangleMesh mesh = formats::importMesh(path).mesh;
+    while (2 * mesh.vertexCount() < vertices) mesh = tests::subdivided(mesh);
+    return tests::texturedSurface(std::move(mesh));
+  }();
+  return surface;
+}
+
+void count(benchmark::State& state, const SynthesisQuality& quality) {
+  state.counters["neighbourhood_error"] = quality.neighborhood_error;
+  state.counters["neighbourhood_error_ratio"] = quality.neighborhood_error_ratio;
+  state.counters["coherent_share"] = quality.coherent_share;
+  state.counters["coverage"] = quality.coverage;
+  state.counters["entropy"] = quality.entropy;
+  state.counters["seam_ratio"] = quality.seam_ratio;
+  state.counters["seam_vertices"] = static_cast<double>(quality.seam_vertices);
+}
+
+void runLarge(benchmark::State& state, const std::string& name, const formats::Image& image) {
+  const tests::TexturedSurface& surface = largeSurface();
+  for ([[maybe_unused]] const auto iteration : state) {
+    SynthesisOptions options;
+    options.measure_quality = false;
+    const auto start = std::chrono::steady_clock::now();
+    const std::vector<Exemplar> exemplars = {makeExemplar(image, {}, name)};
+    const PatchCoordinates patch = synthesize(surface.view(), exemplars, options);
+    const double seconds = secondsSince(start);
+    state.SetIterationTime(seconds);
+    state.counters["synthesis_seconds"] = seconds;
+    const auto vertices = static_cast<double>(surface.mesh.vertexCount());
+    state.counters["vertices"] = vertices;
+    state.counters["vertices_per_second_and_core"] =
+        vertices / seconds / tbb::this_task_arena::max_concurrency();
+    state.counters["levels"] = static_cast<double>(patch.report.levels.size());
+    state.counters["retained_variance"] = patch.report.levels[0].retained_variance;
+    count(state, qualityOf(surface.view(), exemplars, options, patch.coordinates));
+    const std::string folder = environment("BAKELIGHT_BENCH_PICTURES", "");
+    if (!folder.empty())
+      formats::writePly(std::filesystem::path(folder) / (name + ".ply"),
+                        tests::painted(surface, image, patch.coordinates));
+  }
+}
+
+// What figures mean: places at random, a tiling, the exhaustive search.
+void runRandom(benchmark::State& state, const std::string& name, const formats::Image& image) {
+  const tests::TexturedSurface& surface = largeSurface();
+  for ([[maybe_unused]] const auto iteration : state) {
+    std::vector<formats::Float2> coordinates(surface.mesh.vertexCount());
+    for (std::size_t v = 0; v < coordinates.size(); ++v)
+      coordinates[v] = {static_cast<float>(tests::hashedUnit(1, v)),
+                        static_cast<float>(tests::hashedUnit(2, v))};
+    const std::vector<Exemplar> exemplars = {makeExemplar(image, {}, name)};
+    count(state, qualityOf(surface.view(), exemplars, {}, coordinates));
+  }
+}
+
+void runFlatTorus(benchmark::State& state, const std::string& name, const formats::Image& image) {
+  const tests::TexturedSurface surface = tests::flatTorus(256);
+  for ([[maybe_unused]] const auto iteration : state) {
+    SynthesisOptions options;
+    options.randomness = 0;
+    const std::vector<Exemplar> exemplars = {makeExemplar(image, {}, name)};
+    count(state, synthesize(surface.view(), exemplars, options).report.quality);
+  }
+}
+
+void runFull(benchmark::State& state, const std::string& name, const formats::Image& image,
+             SynthesisMethod method) {
+  const tests::TexturedSurface surface = tests::texturedSurface(tests::rippledBall(8000));
+  for ([[maybe_unused]] const auto iteration : state) {
+    SynthesisOptions options;
+    options.method = method;
+    const std::vector<Exemplar> exemplars = {makeExemplar(image, {}, name)};
+    count(state, synthesize(surface.view(), exemplars, options).report.quality);
+  }
+}
+
+void registerAll() {
+  const auto once = [](const std::string& name, const auto& run) {
+    return benchmark::RegisterBenchmark(name.c_str(), run)->Iterations(1)->Unit(benchmark::kSecond);
+  };
+  for (const auto& [name, image] : {std::pair<std::string, formats::Image>{"weave", tests::weave()},
+                                    {"stones", tests::stones()},
+                                    {"stochastic", tests::stochastic()}}) {
+    once("synthesis/" + name, [=](benchmark::State& state) {
+      runLarge(state, name, image);
+    })->UseManualTime();
+    once("control_random/" + name, [=](benchmark::State& state) { runRandom(state, name, image); });
+    once("control_flat_torus/" + name, [=](benchmark::State& state) { runFlatTorus(state, name, image); });
+    once("control_small/" + name,
+         [=](benchmark::State& state) { runFull(state, name, image, SynthesisMethod::kCoherent); });
+    once("control_full/" + name,
+         [=](benchmark::State& state) { runFull(state, name, image, SynthesisMethod::kFull); });
+  }
+}
+
+}  // namespace
+}  // namespace bakelight::mesomesh
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  try {
+    const std::string threads = bakelight::mesomesh::environment("BAKELIGHT_BENCH_THREADS", "");
+    std::optional<tbb::global_control> limit;
+    if (!threads.empty()) limit.emplace(tbb::global_control::max_allowed_parallelism, std::stoul(threads));
+    bakelight::mesomesh::registerAll();
+    benchmark::RunSpecifiedBenchmarks();
+  } catch (const bakelight::Error& error) {
+    std::fprintf(stderr, "bench_synthesis: %s\n", error.what());
+    return static_cast<int>(error.status());
+  }
+  return 0;
+}
