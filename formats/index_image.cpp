@@ -57,4 +57,16 @@ IndexImage readIndexExr(const std::filesystem::path& path, const std::vector<std
   return image;
 }
 
+std::vector<std::string> exrChannels(const std::filesystem::path& path) {
+  std::vector<std::string> names;
+  try {
+    const std::unique_ptr<Imf::MultiPartInputFile> file = openPlainExr(path, 0);
+    const Imf::ChannelList& channels = file->header(0).channels();
+    for (auto it = channels.begin(); it != channels.end(); ++it) names.emplace_back(it.name());
+  } catch (const Error&) {
+    // It is none.
+  }
+  return names;
+}
+
 }  // namespace bakelight::formats

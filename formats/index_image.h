@@ -41,4 +41,7 @@ void writeIndexExr(const std::filesystem::path& path, const IndexImage& image,
 // channel, or one that is not of 32-bit unsigned integers; no flat OpenEXR of one part; damaged.
 IndexImage readIndexExr(const std::filesystem::path& path, const std::vector<std::string>& channels);
 
+// Names of the channels of an OpenEXR file of one flat part; none for any other file.
+std::vector<std::string> exrChannels(const std::filesystem::path& path);
+
 }  // namespace bakelight::formats

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -14,7 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr JsonMembers::Range kShare = {0, 1}, kExponent = {0, 100000};
+constexpr JsonMembers::Range kShare = {0, 1}, kExponent = {0, 100000},
+                             kWidth = {std::numeric_limits<double>::min(), 1e15};
 constexpr const char* kColorOrTexture = "three numbers from 0 to 1, or the file name of a picture";
 const std::vector<std::string> kModels = {"none", "phong", "ggx", "table"};
 
@@ -57,6 +59,23 @@ Reflection reflectionFrom(const Json& json, const std::string& file, const std::
   return reflection;
 }
 
+Patch patchFrom(const Json& json, const std::string& file, const std::string& pointer,
+                const FileResolver& files) {
+  JsonMembers members(json, file, pointer);
+  std::string name;
+  members.require("file", "a picture");
+  members.read("file", name);
+  Patch patch{files(name, members.placeOf("file")), {}};
+  if (members.find("width") != nullptr) {
+    double width = 0;
+    members.read("width", width, kWidth);
+    patch.width = width;
+  }
+  members.read("periodic", patch.periodic);
+  members.refuseOthers();
+  return patch;
+}
+
 void readTable(Material& material) {
   if (auto* table = std::get_if<TableReflection>(&material.reflection))
     table->table = readBrdfTable(table->file);
@@ -93,6 +112,12 @@ Json toJson(const Reflection& reflection) {
   return json;
 }
 
+Json toJson(const Patch& patch) {
+  Json json = {{"file", patch.file.string()}, {"periodic", patch.periodic}};
+  if (patch.width) json["width"] = *patch.width;
+  return json;
+}
+
 Json toJson(const Material& material, const std::vector<std::string>& parts) {
   const auto wanted = [&](const char* part) {
     return parts.empty() || std::find(parts.begin(), parts.end(), part) != parts.end();
@@ -103,6 +128,7 @@ Json toJson(const Material& material, const std::vector<std::string>& parts) {
   if (wanted("albedo") && !material.texture.empty()) json["albedo"] = material.texture.string();
   if (wanted("reflection") && !std::holds_alternative<Lambert>(material.reflection))
     json["reflection"] = toJson(material.reflection);
+  if (wanted("patch") && material.patch) json["patch"] = toJson(*material.patch);
   return json;
 }
 
@@ -193,6 +219,8 @@ Material materialFromJson(const Json& json, const std::string& file, const std::
   }
   if (const Json* reflection = members.find("reflection"))
     material.reflection = reflectionFrom(*reflection, file, members.placeOf("reflection").pointer, files);
+  if (const Json* patch = members.find("patch"))
+    material.patch = patchFrom(*patch, file, members.placeOf("patch").pointer, files);
   members.refuseOthers();
   return material;
 }

@@ -52,6 +52,14 @@ struct TableReflection {
 
 using Reflection = std::variant<Lambert, PhongReflection, GgxReflection, TableReflection>;
 
+// Structure that is repeated over a surface, as an image of any channels: what mesomesh lays out.
+struct Patch {
+  std::filesystem::path file;
+  std::optional<double> width;  // in the asset's unit, positive; nothing: as the meso-mesh's spacing suits it
+  bool periodic = true;         // its left continues its right and its top its bottom
+  bool operator==(const Patch&) const = default;
+};
+
 inline constexpr Float3 kDefaultAlbedo = {0.8F, 0.8F, 0.8F};
 
 struct Material {
@@ -60,6 +68,7 @@ struct Material {
   std::optional<Float3> albedo;
   std::filesystem::path texture;  // instead; `simplify` takes it to the mesh's colours
   Reflection reflection;
+  std::optional<Patch> patch = {};
 };
 
 // The material of an asset, and those of faces that the mesh gives a name to (TriangleMesh::material_names).
@@ -88,7 +97,7 @@ Material materialFromJson(const Json& json, const std::string& file, const std::
                           const FileResolver& files);
 
 // What readMaterials reads, file names as they are in the material. Of each material only the members
-// `parts`, of "name", "albedo" (with the texture) and "reflection"; all of them if it is empty.
+// `parts`, of "name", "albedo" (with the texture), "reflection" and "patch"; all of them if it is empty.
 Json toJson(const Materials& materials, const std::vector<std::string>& parts = {});
 
 // "none", "phong", "ggx", "table".

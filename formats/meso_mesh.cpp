@@ -195,4 +195,14 @@ MesoMesh readMesoMesh(const std::filesystem::path& path) {
   return meso;
 }
 
+bool isMesoMesh(const std::filesystem::path& path) {
+  try {
+    const PlyHeader header = readPlyHeader(readFile(path), path.string());
+    return std::any_of(header.comments.begin(), header.comments.end(),
+                       [](const std::string& comment) { return comment.starts_with(kSymmetryComment); });
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 }  // namespace bakelight::formats

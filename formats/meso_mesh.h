@@ -36,4 +36,7 @@ void writeMesoMesh(const std::filesystem::path& path, const MesoMesh& meso_mesh)
 // name.
 MesoMesh readMesoMesh(const std::filesystem::path& path);
 
+// Whether the file is a PLY that says it is a meso-mesh. False for what is no PLY or damaged.
+bool isMesoMesh(const std::filesystem::path& path);
+
 }  // namespace bakelight::formats

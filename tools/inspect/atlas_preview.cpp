@@ -288,7 +288,8 @@ Image drawSquare(const TriangleMesh& mesh, const AtlasFigures& figures, const Pa
 }  // namespace
 
 const std::vector<std::string>& paintNames() {
-  static const std::vector<std::string> names = {"auto", "none", "charts", "stretch", "materials"};
+  static const std::vector<std::string> names = {"auto",   "none",  "charts",   "stretch",  "materials",
+                                                 "colors", "patch", "tangents", "coherence"};
   return names;
 }
 

@@ -10,6 +10,8 @@
 #include "formats/file.h"
 #include "formats/json.h"
 #include "formats/mesh_import.h"
+#include "formats/meso_mesh.h"
+#include "tools/inspect/patch_preview.h"
 
 namespace bakelight::inspect {
 namespace {
@@ -60,6 +62,10 @@ const char* nameOf(FileKind kind) {
       return "material";
     case FileKind::kRecord:
       return "record";
+    case FileKind::kMesoMesh:
+      return "meso_mesh";
+    case FileKind::kIdMap:
+      return "id_map";
   }
   return "";
 }
@@ -69,6 +75,8 @@ FileKind kindOfFile(const std::filesystem::path& path) {
     throw badInput({path.string(), "", ""}, "there is no such file", "a file to look into");
   const std::string ending = formats::lowerEnding(path);
   if (ending == ".glb" && isPack(path)) return FileKind::kPack;
+  if (ending == ".ply" && formats::isMesoMesh(path)) return FileKind::kMesoMesh;
+  if (ending == ".exr" && isIdMap(path)) return FileKind::kIdMap;
   if (contains(formats::meshFileEndings(), ending)) return FileKind::kMesh;
   if (contains(imageEndings(), ending)) return FileKind::kImage;
   if (ending == ".safetensors") return FileKind::kTensors;

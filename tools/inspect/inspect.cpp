@@ -1,10 +1,13 @@
 #include "tools/inspect/inspect.h"
 
+#include "formats/color_picture.h"
 #include "formats/error.h"
 #include "formats/mesh_import.h"
 #include "formats/mesh_ply.h"
 #include "tools/inspect/describe.h"
 #include "tools/inspect/file_kind.h"
+#include "tools/inspect/patch_figures.h"
+#include "tools/inspect/patch_preview.h"
 
 namespace bakelight::inspect {
 namespace {
@@ -23,16 +26,41 @@ formats::MeshImport readMesh(const std::filesystem::path& path) {
   return formats::importMesh(path);
 }
 
-void inspectMesh(const std::filesystem::path& path, const Options& options, Inspection& inspection) {
+Preview previewThrough(const PatchFiles& patch, const formats::TriangleMesh& mesh,
+                       const PreviewOptions& options, const std::string& file) {
+  std::optional<formats::Image> exemplar;
+  if (!patch.exemplar.empty())
+    exemplar = formats::readColorPicture(patch.exemplar, formats::PictureUse::kReflectance).image;
+  return previewThroughIdMap(mesh, readIdMap(patch.id_map), exemplar, options, file);
+}
+
+void inspectMesh(const std::filesystem::path& path, const Options& options, const PatchFiles& patch,
+                 Inspection& inspection) {
   const formats::MeshImport import = readMesh(path);
   inspection.summary.sections = describeMesh(import.mesh, import.notes);
   if (!options) return;
-  if (options->showsTexcoords())
+  if (!patch.id_map.empty())
+    inspection.preview = previewThrough(patch, import.mesh, *options, path.string());
+  else if (options->showsTexcoords())
     inspection.preview = previewAtlas(import.mesh, *options, path.string());
+  else if (options->paint == Paint::kColors)
+    inspection.preview = previewColors(import.mesh, *options, path.string());
   else if (options->paint == Paint::kMaterials)
     inspection.preview = previewMaterials(import.mesh, *options, path.string());
   else
     inspection.preview = previewMesh(import.mesh, *options, path.string());
+}
+
+void inspectMesoMesh(const std::filesystem::path& path, const Options& options, Inspection& inspection) {
+  const formats::MesoMesh meso = formats::readMesoMesh(path);
+  inspection.summary.sections = describeMesoMesh(meso);
+  if (options) inspection.preview = previewMesoMesh(meso, *options, path.string());
+}
+
+void inspectIdMap(const std::filesystem::path& path, const Options& options, Inspection& inspection) {
+  const formats::IndexImage ids = readIdMap(path);
+  inspection.summary.sections = describeIdMap(ids);
+  if (options) inspection.preview = previewIdMap(ids, *options);
 }
 
 void inspectImage(const std::filesystem::path& path, const Options& options, Inspection& inspection) {
@@ -78,15 +106,22 @@ void inspectRecord(const std::filesystem::path& path, const Options& options, In
 
 }  // namespace
 
-Inspection inspectFile(const std::filesystem::path& path, const Options& preview) {
+Inspection inspectFile(const std::filesystem::path& path, const Options& preview, const PatchFiles& patch) {
   const FileKind kind = kindOfFile(path);
+  if (!patch.id_map.empty() && kind != FileKind::kMesh)
+    throw badInput({path.string(), "", ""},
+                   std::string("a ") + nameOf(kind) + " shows nothing through an id map",
+                   "the mesh of the atlas that the id map was made with");
+  if (patch.id_map.empty() && !patch.exemplar.empty())
+    throw Error(ExitStatus::kUsage, {"", "--exemplar", ""}, "an exemplar is shown through an id map only",
+                "--id-map, too");
   Inspection inspection;
   inspection.summary.file = path.string();
   inspection.summary.kind = nameOf(kind);
   inspection.summary.file_bytes = std::filesystem::file_size(path);
   switch (kind) {
     case FileKind::kMesh:
-      inspectMesh(path, preview, inspection);
+      inspectMesh(path, preview, patch, inspection);
       break;
     case FileKind::kImage:
       inspectImage(path, preview, inspection);
@@ -102,6 +137,12 @@ Inspection inspectFile(const std::filesystem::path& path, const Options& preview
       break;
     case FileKind::kRecord:
       inspectRecord(path, preview, inspection);
+      break;
+    case FileKind::kMesoMesh:
+      inspectMesoMesh(path, preview, inspection);
+      break;
+    case FileKind::kIdMap:
+      inspectIdMap(path, preview, inspection);
       break;
   }
   if (inspection.preview)

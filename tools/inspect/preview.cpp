@@ -105,6 +105,18 @@ Preview previewMesh(const TriangleMesh& mesh, const PreviewOptions& options, con
                                : "clay without shadows, with the file's normals"};
 }
 
+Preview previewColors(const TriangleMesh& mesh, const PreviewOptions& options, const std::string& file) {
+  if (mesh.colors.empty())
+    throw badInput({file, "", ""}, "its vertices have no colours", "a mesh with some",
+                   "draw it with --paint none");
+  const transport::OrbitCamera camera = cameraFor(mesh, options, file);
+  std::vector<Float3> radiance = clayRadiance(mesh);
+  for (std::size_t v = 0; v < radiance.size(); ++v)
+    for (std::size_t c = 0; c < 3; ++c) radiance[v][c] *= mesh.colors[v][c] / kClayAlbedo;
+  return {render(mesh, transport::interpolated(mesh.triangles, radiance), camera, defaultExposure(), options),
+          "colours of the vertices, without shadows"};
+}
+
 Preview previewPack(const formats::Pack& pack, const PreviewOptions& options, const std::string& file) {
   const transport::OrbitCamera camera = cameraFor(pack.mesh, options, file);
   const std::unique_ptr<transport::PackShading> shading = transport::makePackShading(pack);

@@ -17,6 +17,11 @@ enum class Paint {
   kCharts,     // a colour for each chart of the texture coordinates
   kStretch,    // how much texture each triangle has
   kMaterials,  // a colour for each material
+  kColors,     // those of the vertices
+  // Of meso-meshes (patch_preview.h):
+  kPatch,
+  kTangents,
+  kCoherence,
 };
 enum class Layout {
   kModel,  // a render
@@ -50,6 +55,11 @@ struct Preview {
 // none. Throws Error(kBadInput) naming `file` if the mesh has no extent.
 Preview previewMesh(const formats::TriangleMesh& mesh, const PreviewOptions& options,
                     const std::string& file);
+
+// Colours of the vertices instead of the clay's. Throws Error(kBadInput) naming `file` if it has none, or no
+// extent.
+Preview previewColors(const formats::TriangleMesh& mesh, const PreviewOptions& options,
+                      const std::string& file);
 
 // Charts, stretch or materials, on the clay or in the unit square (u right, v up), whatever `options` ask
 // for; dark lines where charts end. Throws Error(kBadInput) naming `file` if the mesh has no texture

@@ -13,7 +13,8 @@
 
 namespace bakelight::inspect {
 
-inline constexpr double kMiddleValue = 0.4;  // linear; where the mean goes; lighter than the player's, as clay is all there is
+inline constexpr double kMiddleValue =
+    0.4;  // linear; where the mean goes; lighter than the player's, as clay is all there is
 inline constexpr int kSupersampling = 3;     // a pixel's subsamples, by side
 inline constexpr float kClayAlbedo = 0.65f;  // so that the lit side keeps its form
 

@@ -3,10 +3,12 @@
 #include <vector>
 
 #include "formats/json.h"
+#include "formats/material.h"
 #include "formats/materials.h"
 #include "formats/meso_mesh.h"
 #include "tools/mesomesh/field/direction_field.h"
 #include "tools/mesomesh/mesh_file.h"
+#include "tools/mesomesh/patches.h"
 #include "tools/mesomesh/report.h"
 #include "tools/mesomesh/retile/retile.h"
 #include "tools/stage/stage.h"
@@ -14,12 +16,17 @@
 
 int main(int argc, char** argv) {
   using namespace bakelight;
-  std::filesystem::path mesh_path, hints_path, meso_mesh_path, singularities_path;
+  std::filesystem::path mesh_path, material_path, hints_path, meso_mesh_path, singularities_path;
   mesomesh::RetileOptions options;
   int vertices = static_cast<int>(options.vertices);
-  std::string symmetry = "1";
+  std::string symmetry = "auto", method = "coherent";
+  mesomesh::SynthesisOptions synthesis;
+  int seed = 0;
   stage::Tool tool("mesomesh", "Covers a mesh with a dense, even one that a texture is laid out on");
   tool.input("mesh", "mesh", mesh_path, "Mesh of any format; each of its materials stays")
+      .input("material", "material", material_path,
+             "Each material's \"patch\" is laid out over its faces; without any, the mesh stays plain",
+             {.required = false, .parts = {"albedo", "patch"}})
       .input("hints", "direction_hints", hints_path,
              "JSON: list of {\"point\": [x, y, z], \"direction\": [x, y, z]} that the texture's u follows",
              false)
@@ -30,8 +37,14 @@ int main(int argc, char** argv) {
       .parameter("vertices", vertices, {1, 1e8}, "vertices", "Of the result, to within 5%")
       .parameter("crease_angle_deg", options.crease_angle_deg, {0, 180}, "deg",
                  "Edges sharper than this keep their place and part normals and tangents")
-      .parameter("symmetry", symmetry, {"1", "2", "4"},
-                 "The texture looks the same turned by 360 degrees over this");
+      .parameter(
+          "symmetry", symmetry, {"auto", "1", "2", "4"},
+          "The texture looks the same turned by 360 degrees over this; auto: as is measured of the patches")
+      .parameter("method", method, {"coherent", "full"},
+                 "full: every place of the patch is tried at every vertex; slow, for small meshes")
+      .parameter("seed", seed, {0, 1e9}, "", "Another layout of the same patch")
+      .parameter("randomness", synthesis.randomness, {0, 1}, "",
+                 "0: the patch is tiled wherever the surface admits it");
   tool.executionPath(transport::RayScene::executionPath);  // places are found with Embree, too
   return tool.run(argc, argv, [&](stage::Run& run) {
     options.vertices = vertices;
@@ -41,17 +54,26 @@ int main(int argc, char** argv) {
     if (!hints_path.empty()) hints = mesomesh::readHints(hints_path);
     mesomesh::RetiledMesh retiled = mesomesh::retile(file.mesh, options, mesh_path.string());
     for (const std::string& warning : retiled.report.warnings) run.warn(warning);
-    const mesomesh::DirectionField field = mesomesh::directionField(
-        retiled.mesh, {std::stoi(symmetry), options.crease_angle_deg}, hints, hints_path.string());
+    const formats::Materials materials = formats::readMaterialsOrDefault(material_path);
+    const mesomesh::Patches patches =
+        mesomesh::readPatches(materials, retiled.mesh.material_names, material_path.string());
+    const bool has_patches = mesomesh::hasPatches(materials);
+    const int folds = symmetry != "auto" ? std::stoi(symmetry) : has_patches ? patches.folds() : 1;
+    const mesomesh::DirectionField field =
+        mesomesh::directionField(retiled.mesh, {folds, options.crease_angle_deg}, hints, hints_path.string());
     for (const std::string& warning : field.warnings) run.warn(warning);
     if (!singularities_path.empty())
-      formats::writeJson(singularities_path,
-                         mesomesh::singularityTable(retiled.mesh, field, std::stoi(symmetry)));
-    formats::MesoMesh meso{
-        std::move(retiled.mesh), field.tangents, {}, std::move(retiled.materials), std::stoi(symmetry)};
-    // TODO(synthesis): places and colours come from mesomesh::synthesize(); until then all lie at the
-    // exemplar's origin.
-    meso.patch.assign(meso.mesh.vertexCount(), {0, 0});
+      formats::writeJson(singularities_path, mesomesh::singularityTable(retiled.mesh, field, folds));
+    formats::MesoMesh meso{std::move(retiled.mesh), field.tangents, {}, std::move(retiled.materials), folds};
+    if (has_patches) {
+      synthesis.method =
+          method == "full" ? mesomesh::SynthesisMethod::kFull : mesomesh::SynthesisMethod::kCoherent;
+      synthesis.folds = static_cast<mesomesh::FieldFolds>(folds);
+      synthesis.seed = static_cast<std::uint64_t>(seed);
+      mesomesh::layOut(patches, synthesis, mesh_path.string(), meso, run);
+    } else {
+      meso.patch.assign(meso.mesh.vertexCount(), {0, 0});
+    }
     formats::writeMesoMesh(meso_mesh_path, meso);
     const formats::Json stats = mesomesh::toJson(retiled.report, field);
     for (const auto& [name, value] : stats.items()) run.stat(name, value);

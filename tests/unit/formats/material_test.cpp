@@ -51,6 +51,25 @@ TEST(Material, HasWhatItsFileSays) {
   EXPECT_EQ(std::get<PhongReflection>(phong.reflection), (PhongReflection{{0.2F, 0.2F, 0.2F}, 7}));
 }
 
+TEST(Material, HasAPatch) {
+  const FileResolver any = [](const std::string& name, const ErrorPlace&) { return "/there/" + name; };
+  const auto patchOf = [&](const std::string& text) {
+    return materialsFromJson(parseJson(text, "m.json"), "m.json", "", any).base.patch;
+  };
+  EXPECT_FALSE(patchOf("{}").has_value());
+  EXPECT_EQ(patchOf(R"({ "patch": { "file": "w.png" } })"), (Patch{"/there/w.png", {}, true}));
+  const std::string whole = R"({ "patch": { "file": "w.png", "width": 0.25, "periodic": false } })";
+  EXPECT_EQ(patchOf(whole), (Patch{"/there/w.png", 0.25, false}));
+  const Materials materials = materialsFromJson(parseJson(whole, "m.json"), "m.json", "", any);
+  EXPECT_EQ(materialsFromJson(toJson(materials), "m.json", "",
+                              [](const std::string& name, const ErrorPlace&) { return name; })
+                .base.patch,
+            materials.base.patch);
+  EXPECT_FALSE(toJson(materials, {"albedo"}).at("material").contains("patch"));
+  EXPECT_THAT(problemWith(R"({ "patch": { "width": 1 } })"), HasSubstr("file"));
+  EXPECT_THAT(problemWith(R"({ "patch": { "file": "w.png" } })"), HasSubstr("/patch/file"));
+}
+
 TEST(Material, OfSomeFacesHasAName) {
   const Materials materials =
       parsed(R"({ "material": { "albedo": [1, 1, 1] }, "materials": { "lid": { "albedo": [0, 0, 1] } } })");
