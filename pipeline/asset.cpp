@@ -157,7 +157,7 @@ class Finder {
     problems_.attempt([&] {
       if (object.has("deliver")) asset.deliver = object.texts("deliver");
     });
-    problems_.attempt([&] { asset.keep_all = !object.boolean("leave_out", true); });
+    problems_.attempt([&] { readLeaveOut(object, asset); });
     problems_.attempt([&] {
       object.object("report");
       if (object.has("report")) asset.report = object.value("report");
@@ -175,6 +175,16 @@ class Finder {
         asset.files[name] = fileNamed(object, name, file.parent_path());
       });
     assets_.push_back(std::move(asset));
+  }
+
+  static void readLeaveOut(const JsonObject& object, Asset& asset) {
+    if (!object.has("leave_out") || !object.value("leave_out").is_object()) {
+      asset.keep_all = !object.boolean("leave_out", true);
+      return;
+    }
+    const JsonObject stages = object.object("leave_out");
+    for (const std::string& stage : stages.keys())
+      if (!stages.boolean(stage, true)) asset.kept.insert(stage);
   }
 
   void readMaterials(const JsonObject& object, const std::string& port, const Recipe& recipe, Asset& asset) {

@@ -62,7 +62,11 @@ MadeAsset madeAsset(const Graph& graph, std::size_t asset, const BuildResult& re
   for (TaskIndex index = 0; index < graph.tasks.size(); ++index) {
     const Task& task = graph.tasks[index];
     const Outcome& outcome = result.outcomes[index];
-    if (task.asset != asset || outcome.status == StageStatus::kLeftOut) continue;
+    if (task.asset != asset) continue;
+    if (outcome.status == StageStatus::kLeftOut) {
+      made.left_out[task.stage] = outcome.reason;
+      continue;
+    }
     if (!outcome.entry)
       throw badInput({graph.assets[asset].file, "stage " + task.stage, ""}, "was not made: " + outcome.reason,
                      "a run in which every stage succeeds");

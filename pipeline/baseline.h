@@ -30,7 +30,8 @@ struct MadeStage {
 };
 struct MadeAsset {
   std::string name, recipe;
-  std::vector<MadeStage> stages;  // those that were not left out, in the graph's order
+  std::vector<MadeStage> stages;                     // those that were not left out, in the graph's order
+  std::map<std::string, std::string> left_out = {};  // the others: why
 };
 
 // Throws Error(kBadInput) if a stage failed or was not run: a part is no baseline.

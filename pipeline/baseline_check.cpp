@@ -173,7 +173,11 @@ BaselineReport checkBaseline(const MadeAsset& made, const fs::path& folder, cons
       checker.missing(stage.stage, "", "stage", "this run");
   }
   for (const auto& [name, stage] : baseline.stages)
-    if (!made_names.contains(name)) checker.missing(name, "", "stage", "the baseline");
+    if (!made_names.contains(name)) {
+      checker.missing(name, "", "stage", "the baseline");
+      if (const auto why = made.left_out.find(name); why != made.left_out.end())
+        report.notes.push_back(name + ": left out in this run (" + why->second + ")");
+    }
   return report;
 }
 

@@ -56,6 +56,7 @@ Build::Build(const Parts& parts, const std::vector<PastRecord>& past, BuildSetti
       past_(past),
       settings_(settings),
       explainer_(parts.graph, parts.tools, parts.cache, parts.out, parts.disk, parts.memo, past),
+      demand_(parts.graph),
       free_cores_(settings.cores) {}
 
 BuildResult Build::run() {
@@ -75,20 +76,14 @@ void Build::prepare() {
   const std::size_t count = graph_.tasks.size();
   result_.outcomes.resize(count);
   entries_.resize(count);
-  users_.resize(count);
-  open_makers_.resize(count);
   settled_.resize(count);
   open_stages_.resize(graph_.assets.size());
   for (TaskIndex task = 0; task < count; ++task) ++open_stages_[graph_.tasks[task].asset];
   for (TaskIndex task = 0; task < count; ++task) {
-    if (!graph_.tasks[task].left_out.empty()) {
+    if (!graph_.tasks[task].left_out.empty())
       settle(task, {.status = StageStatus::kLeftOut, .reason = graph_.tasks[task].left_out});
-      continue;
-    }
-    const std::set<TaskIndex> makers = graph_.makersOf(task);
-    for (const TaskIndex maker : makers) users_[maker].push_back(task);
-    open_makers_[task] = makers.size();
-    if (makers.empty()) ready_.insert(task);
+    else
+      advance(task);
   }
 }
 
@@ -106,6 +101,7 @@ void Build::startWhatIsReady() {
 }
 
 void Build::consider(TaskIndex task) {
+  if (demand_.undecided(task)) return decide(task);
   Verdict verdict = explainer_.judge(task, entries_);
   if (verdict.mustRun()) return launch(task, std::move(verdict));
 
@@ -121,6 +117,14 @@ void Build::consider(TaskIndex task) {
                 .ingredients = std::move(verdict.ingredients),
                 .omissions = std::move(verdict.omissions),
                 .entry = std::move(verdict.entry)});
+}
+
+// Once its rules can be judged, whether it is made at all.
+void Build::decide(TaskIndex task) {
+  if (const auto omission = omissionOf(graph_, task, entries_))
+    return settleLeftOut(task, text(*omission), {*omission});
+  for (const TaskIndex asked : demand_.keep(task)) advance(asked);
+  advance(task);
 }
 
 void Build::launch(TaskIndex task, Verdict verdict) {
@@ -165,6 +169,7 @@ std::vector<std::string> Build::commandFor(TaskIndex index, const Running& runni
     command.push_back(value);
   };
   for (const auto& [port, input] : task.inputs) {
+    if (input.maker && !entries_[*input.maker]) continue;  // omitted
     const auto made = [&, input = input] {
       return entries_[*input.maker]->pathOf(entries_[*input.maker]->outputs.at(input.port));
     };
@@ -268,7 +273,9 @@ void Build::settle(TaskIndex task, Outcome outcome) {
   result_.outcomes[task] = std::move(outcome);
   settled_[task] = true;
   parts_.observer.settled(task, result_.outcomes[task]);
-  if (entries_[task]) wakeUsers(task);
+  if (!entries_[task])
+    for (const TaskIndex unneeded : demand_.close(task)) settleUnneeded(unneeded);
+  for (const TaskIndex user : demand_.usersOf(task)) advance(user);
   const std::size_t asset = graph_.tasks[task].asset;
   if (--open_stages_[asset] == 0) writeRecord(asset);
 }
@@ -278,18 +285,51 @@ void Build::settleFailed(TaskIndex task, const Error& error, int exit_status) {
                 .reason = error.problem(),
                 .error = error,
                 .exit_status = exit_status});
-  for (const TaskIndex user : users_[task]) settleNotRun(user, graph_.tasks[task].stage + " failed");
 }
 
 void Build::settleNotRun(TaskIndex task, const std::string& reason) {
-  if (settled_[task]) return;
-  settle(task, {.status = StageStatus::kNotRun, .reason = reason});
-  for (const TaskIndex user : users_[task]) settleNotRun(user, reason);
+  if (!settled_[task]) settle(task, {.status = StageStatus::kNotRun, .reason = reason});
 }
 
-void Build::wakeUsers(TaskIndex task) {
-  for (const TaskIndex user : users_[task])
-    if (--open_makers_[user] == 0 && !result_.interrupted && !settled_[user]) ready_.insert(user);
+// By measurement: nothing of it stays in the output folder.
+void Build::settleLeftOut(TaskIndex task, const std::string& reason, std::vector<Omission> omissions) {
+  const bool is_new = explainer_.newlyLeftOut(task, reason);
+  try {
+    if (is_new) parts_.out.withdraw(task);
+  } catch (const Error& error) {
+    return settleFailed(task, error, static_cast<int>(error.status()));
+  }
+  settle(task, {.status = StageStatus::kLeftOut,
+                .reason = reason,
+                .published = is_new,
+                .omissions = std::move(omissions)});
+}
+
+// Nothing will ask for it any more: what would have is omitted, or was not run itself.
+void Build::settleUnneeded(TaskIndex task) {
+  for (const TaskIndex user : demand_.usersOf(task))
+    if (const auto reason = reasonNotToRunAfter(user)) return settleNotRun(task, *reason);
+  settleLeftOut(task, demand_.onlyFor(task), {});
+}
+
+// Why what needs `maker` cannot be run; nothing if it can, or if it is not known yet.
+std::optional<std::string> Build::reasonNotToRunAfter(TaskIndex maker) const {
+  if (!settled_[maker]) return {};
+  const Outcome& outcome = result_.outcomes[maker];
+  if (outcome.status == StageStatus::kFailed) return graph_.tasks[maker].stage + " failed";
+  if (outcome.status == StageStatus::kNotRun) return outcome.reason;
+  return {};
+}
+
+// By what became of what it waits for, the task is ready, or given up.
+void Build::advance(TaskIndex task) {
+  if (settled_[task] || !demand_.asked(task)) return;
+  bool ready = !result_.interrupted;
+  for (const TaskIndex maker : demand_.awaitedBy(task)) {
+    if (const auto reason = reasonNotToRunAfter(maker)) return settleNotRun(task, *reason);
+    ready = ready && settled_[maker];
+  }
+  if (ready) ready_.insert(task);
 }
 
 void Build::writeRecord(std::size_t asset) {

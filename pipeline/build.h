@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pipeline/cache.h"
+#include "pipeline/demand.h"
 #include "pipeline/explain.h"
 #include "pipeline/graph.h"
 #include "pipeline/output_folder.h"
@@ -76,6 +77,7 @@ class Build {
   void prepare();
   void startWhatIsReady();
   void consider(TaskIndex task);
+  void decide(TaskIndex task);
   void launch(TaskIndex task, Verdict verdict);
   std::vector<std::string> commandFor(TaskIndex task, const Running& running) const;
   std::size_t threadsForNext() const;
@@ -88,7 +90,10 @@ class Build {
   void settle(TaskIndex task, Outcome outcome);
   void settleFailed(TaskIndex task, const Error& error, int exit_status);
   void settleNotRun(TaskIndex task, const std::string& reason);
-  void wakeUsers(TaskIndex task);
+  void settleLeftOut(TaskIndex task, const std::string& reason, std::vector<Omission> omissions);
+  void settleUnneeded(TaskIndex task);
+  std::optional<std::string> reasonNotToRunAfter(TaskIndex maker) const;
+  void advance(TaskIndex task);
   void writeRecord(std::size_t asset);
   std::string withPublicPaths(TaskIndex task, const Running& running, std::string text) const;
 
@@ -97,11 +102,10 @@ class Build {
   const std::vector<PastRecord>& past_;
   const BuildSettings settings_;
   Explainer explainer_;
+  Demand demand_;
 
   BuildResult result_;
   std::vector<std::optional<CacheEntry>> entries_;  // by task, once made
-  std::vector<std::vector<TaskIndex>> users_;       // by task
-  std::vector<std::size_t> open_makers_;            // by task
   std::vector<bool> settled_;                       // by task
   std::vector<std::size_t> open_stages_;            // by asset
   std::set<TaskIndex> ready_;

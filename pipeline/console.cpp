@@ -116,9 +116,24 @@ void Console::settled(TaskIndex task, const Outcome& outcome) {
       line(label(task) + "not run" + inParentheses(outcome.reason));
       break;
     case StageStatus::kLeftOut:
+      tellLeftOut(task, outcome);
       break;
   }
   drawLive();
+}
+
+// What is not delivered is told each time, all else when it is new.
+void Console::tellLeftOut(TaskIndex task, const Outcome& outcome) {
+  const auto& deliverables = graph_.tasks[task].deliverables;
+  const bool undelivered = !outcome.omissions.empty() && !deliverables.empty();
+  if (!outcome.published && !undelivered) return;
+  std::string text = "left out" + inParentheses(outcome.reason);
+  const char* separator = "; not delivered: ";
+  for (const auto& [port, name] : deliverables) {
+    text += separator + name;
+    separator = ", ";
+  }
+  line(label(task) + text);
 }
 
 void Console::summarize(const BuildResult& result, const OutputFolder& out) {

@@ -28,6 +28,7 @@ class Console : public BuildObserver {
 
  private:
   std::string label(TaskIndex task) const;  // "bunny transfer ", padded to one width
+  void tellLeftOut(TaskIndex task, const Outcome& outcome);
   void line(const std::string& text);
   void error(const std::string& text);
   void clearLive();

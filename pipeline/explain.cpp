@@ -1,9 +1,11 @@
 #include "pipeline/explain.h"
 
+#include <algorithm>
 #include <set>
 #include <utility>
 
 #include "pipeline/companions.h"
+#include "pipeline/demand.h"
 #include "pipeline/json_object.h"
 
 namespace bakelight::pipeline {
@@ -22,6 +24,100 @@ std::map<std::string, std::string> originsOf(const Graph& graph, const Task& tas
   }
   return origins;
 }
+
+// Follows the demand as a build does, as far as that can be known without running anything.
+class Teller {
+ public:
+  Teller(const Graph& graph, const Explainer& explainer)
+      : graph_(graph),
+        explainer_(explainer),
+        demand_(graph),
+        entries_(graph.tasks.size()),
+        told_(graph.tasks.size()) {}
+
+  std::vector<Explanation> tellAll() {
+    for (TaskIndex task = 0; task < graph_.tasks.size(); ++task)
+      if (!graph_.tasks[task].left_out.empty()) tell(task, State::kLeftOut, graph_.tasks[task].left_out);
+    while (tellWhatCanBeTold()) {
+    }
+    std::vector<Explanation> explanations;
+    for (TaskIndex task = 0; task < graph_.tasks.size(); ++task) {
+      if (!told_[task]) tell(task, State::kWaits, "on whether " + demand_.userNames(task) + " will need it");
+      explanations.push_back(*told_[task]);
+    }
+    return explanations;
+  }
+
+ private:
+  using State = Explanation::State;
+
+  void tell(TaskIndex task, State state, std::string reason = "") {
+    told_[task] = {task, state, std::move(reason)};
+  }
+
+  bool tellWhatCanBeTold() {
+    bool more = false;
+    for (TaskIndex task = 0; task < graph_.tasks.size(); ++task) {
+      if (told_[task] || !demand_.asked(task)) continue;
+      const std::set<TaskIndex> awaited = demand_.awaitedBy(task);
+      if (!std::all_of(awaited.begin(), awaited.end(),
+                       [&](TaskIndex maker) { return told_[maker].has_value(); }))
+        continue;
+      tellNext(task, awaited);
+      more = true;
+    }
+    return more;
+  }
+
+  void tellNext(TaskIndex task, const std::set<TaskIndex>& awaited) {
+    std::set<std::string> waits;
+    for (const TaskIndex maker : awaited)
+      if (!entries_[maker] && !isLeftOut(maker)) waits.insert(graph_.tasks[maker].stage);
+    if (!waits.empty()) return tellWaiting(task, waits);
+    if (!demand_.undecided(task)) return tellVerdict(task);
+    if (const auto omission = omissionOf(graph_, task, entries_)) {
+      tellLeftOut(task, text(*omission));
+      for (const TaskIndex unneeded : demand_.close(task)) tellLeftOut(unneeded, demand_.onlyFor(unneeded));
+    } else {
+      demand_.keep(task);
+    }
+  }
+
+  bool isLeftOut(TaskIndex task) const {
+    return told_[task]->state == State::kLeftOut || told_[task]->state == State::kLeaveOut;
+  }
+
+  void tellWaiting(TaskIndex task, const std::set<std::string>& waits) {
+    std::string reason = "on what ";
+    reason += join(std::vector<std::string>(waits.begin(), waits.end()), " and ");
+    reason += demand_.undecided(task) ? " will tell" : " will make";
+    for (const std::string& change : explainer_.changesBesidesInputs(task)) reason += "; " + change;
+    tell(task, State::kWaits, std::move(reason));
+  }
+
+  void tellLeftOut(TaskIndex task, const std::string& reason) {
+    tell(task, explainer_.newlyLeftOut(task, reason) ? State::kLeaveOut : State::kLeftOut, reason);
+  }
+
+  void tellVerdict(TaskIndex task) {
+    const Verdict verdict = explainer_.judge(task, entries_);
+    entries_[task] = verdict.entry;
+    if (verdict.mustRun())
+      tell(task, State::kRun, join(verdict.changes, "; "));
+    else if (!verdict.changes.empty())
+      tell(task, State::kFromCache, join(verdict.changes, "; "));
+    else if (!verdict.misplaced.empty())
+      tell(task, State::kRestore, join(verdict.misplaced, "; "));
+    else
+      tell(task, State::kUpToDate);
+  }
+
+  const Graph& graph_;
+  const Explainer& explainer_;
+  Demand demand_;
+  std::vector<std::optional<CacheEntry>> entries_;  // by task
+  std::vector<std::optional<Explanation>> told_;    // by task
+};
 
 }  // namespace
 
@@ -44,6 +140,7 @@ Ingredients Explainer::ingredientsOf(const Task& task, formats::Json parameters,
   ingredients.parameters = std::move(parameters);
   for (const auto& [port, input] : task.inputs) {
     if (input.maker) {
+      if (!entries.at(*input.maker)) continue;
       const CachedFile& made = entries.at(*input.maker)->outputs.at(input.port);
       ingredients.inputs[port] = {made.hash, std::filesystem::path(made.name).extension().string()};
     } else if (!input.value.is_null()) {
@@ -61,8 +158,10 @@ std::vector<std::string> Explainer::changesSince(const PastRecord::Stage& past, 
   std::vector<std::string> changes;
   if (past.ingredients)
     changes = differences(*past.ingredients, verdict.ingredients, originsOf(graph_, task));
-  else if (past.status.empty() || past.status == nameOf(StageStatus::kLeftOut))
+  else if (past.status.empty())
     changes.emplace_back("never run");
+  else if (past.status == nameOf(StageStatus::kLeftOut))
+    changes.emplace_back("left out last time");
   if (past.status == nameOf(StageStatus::kFailed)) changes.emplace_back("failed last time");
   if (past.status == nameOf(StageStatus::kNotRun)) changes.push_back(past.reason + " last time");
   if (verdict.entry) return changes;
@@ -84,6 +183,12 @@ Verdict Explainer::judge(TaskIndex index, const std::vector<std::optional<CacheE
   verdict.changes = changesSince(past_.at(task.asset).stage(task.stage), task, verdict, lookup.damage);
   if (verdict.entry) verdict.misplaced = out_.differences(index, *verdict.entry);
   return verdict;
+}
+
+bool Explainer::newlyLeftOut(TaskIndex index, const std::string& reason) const {
+  const Task& task = graph_.tasks[index];
+  const PastRecord::Stage past = past_.at(task.asset).stage(task.stage);
+  return past.status != nameOf(StageStatus::kLeftOut) || past.reason != reason || out_.holds(index);
 }
 
 std::vector<std::string> Explainer::changesBesidesInputs(TaskIndex index) const {
@@ -114,43 +219,14 @@ const char* nameOf(Explanation::State state) {
       return "depends";
     case Explanation::State::kLeftOut:
       return "left out";
+    case Explanation::State::kLeaveOut:
+      return "would be left out";
   }
   return "";
 }
 
 std::vector<Explanation> explain(const Graph& graph, const Explainer& explainer) {
-  using State = Explanation::State;
-  std::vector<std::optional<CacheEntry>> entries(graph.tasks.size());
-  std::vector<Explanation> explanations;
-  for (TaskIndex index = 0; index < graph.tasks.size(); ++index) {
-    const Task& task = graph.tasks[index];
-    if (!task.left_out.empty()) {
-      explanations.push_back({index, State::kLeftOut, task.left_out});
-      continue;
-    }
-    std::set<std::string> waits;
-    for (const TaskIndex maker : graph.makersOf(index))
-      if (!entries[maker]) waits.insert(graph.tasks[maker].stage);
-    if (!waits.empty()) {
-      std::string reason = "on what ";
-      reason += join(std::vector<std::string>(waits.begin(), waits.end()), " and ");
-      reason += " will make";
-      for (const std::string& change : explainer.changesBesidesInputs(index)) reason += "; " + change;
-      explanations.push_back({index, State::kWaits, std::move(reason)});
-      continue;
-    }
-    const Verdict verdict = explainer.judge(index, entries);
-    entries[index] = verdict.entry;
-    if (verdict.mustRun())
-      explanations.push_back({index, State::kRun, join(verdict.changes, "; ")});
-    else if (!verdict.changes.empty())
-      explanations.push_back({index, State::kFromCache, join(verdict.changes, "; ")});
-    else if (!verdict.misplaced.empty())
-      explanations.push_back({index, State::kRestore, join(verdict.misplaced, "; ")});
-    else
-      explanations.push_back({index, State::kUpToDate, ""});
-  }
-  return explanations;
+  return Teller(graph, explainer).tellAll();
 }
 
 }  // namespace bakelight::pipeline

@@ -34,9 +34,14 @@ class Explainer {
   Explainer(const Graph& graph, Toolbox& tools, const Cache& cache, const OutputFolder& out, const Disk& disk,
             Memo& memo, const std::vector<PastRecord>& past);
 
-  // `entries`: what each task made, by index; those of the task's makers must be there. Hashes input files.
-  // Throws Error(kBadInput) if an input cannot be read, and as settle().
+  // `entries`: what each task made, by index; those of the task's makers must be there, but of those that are
+  // omitted: the input is then left out. Hashes input files. Throws Error(kBadInput) if an input cannot be read,
+  // and as settle().
   Verdict judge(TaskIndex task, const std::vector<std::optional<CacheEntry>>& entries) const;
+
+  // Whether leaving out all of `task` by measurement is something new: the folder has its outputs, or the record
+  // does not say so.
+  bool newlyLeftOut(TaskIndex task, const std::string& reason) const;
 
   // Changes that can be told while the inputs are not made yet: of parameters and of the tool.
   std::vector<std::string> changesBesidesInputs(TaskIndex task) const;
@@ -60,7 +65,15 @@ class Explainer {
 // One line on a stage of `bakelight explain` or `run --dry-run`.
 struct Explanation {
   TaskIndex task = 0;
-  enum class State { kUpToDate, kRestore, kFromCache, kRun, kWaits, kLeftOut } state = State::kUpToDate;
+  enum class State {
+    kUpToDate,
+    kRestore,
+    kFromCache,
+    kRun,
+    kWaits,
+    kLeftOut,
+    kLeaveOut
+  } state = State::kUpToDate;
   std::string reason;
 };
 const char* nameOf(Explanation::State state);  // "up to date", "would run", ...

@@ -32,8 +32,7 @@ class AssetStages {
   void add() {
     chooseDeliverables();
     markNeeded();
-    keepRulesThatMayApply();
-    checkOverriddenStages();
+    checkNamedStages();
     for (const std::string& stage : stagesInOrder(recipe_))
       problems_.attempt([&] { addStage(recipe_.stages.at(stage)); });
   }
@@ -62,23 +61,20 @@ class AssetStages {
     for (const std::string& stage : asset_.wanted) markNeeded(stage);
   }
 
-  void markNeeded(const std::string& stage) {
-    if (!needed_.insert(stage).second) return;
-    for (const auto& [port, wire] : recipe_.stages.at(stage).inputs)
+  // With the stages whose figures are asked for by rules that may change something.
+  void markNeeded(const std::string& name) {
+    if (!needed_.insert(name).second) return;
+    const RecipeStage& stage = recipe_.stages.at(name);
+    for (const auto& [port, wire] : stage.inputs)
       if (!wire.fromAsset()) markNeeded(wire.stage);
-  }
-
-  // Rules that may change something, and the stages whose figures they ask for.
-  void keepRulesThatMayApply() {
-    if (options_.keep_all || asset_.keep_all) return;
-    for (const std::string& stage : std::set<std::string>(needed_))
-      for (const LeaveOutRule& rule : recipe_.stages.at(stage).leave_out)
-        problems_.attempt([&, stage = stage] {
-          if (!mayApply(rule, parametersOf(recipe_.stages.at(stage)))) return;
-          rules_[stage].push_back(rule);
-          markNeeded(rule.figure.stage);
-          markNeeded(rule.error.stage);
-        });
+    if (options_.keep_all || asset_.keep_all || asset_.kept.count(name) != 0) return;
+    for (const LeaveOutRule& rule : stage.leave_out)
+      problems_.attempt([&] {
+        if (!rule.omit && !mayApply(rule, parametersOf(stage))) return;
+        rules_[name].push_back(rule);
+        markNeeded(rule.figure.stage);
+        markNeeded(rule.error.stage);
+      });
   }
 
   static bool mayApply(const LeaveOutRule& rule, const Json& parameters) {
@@ -89,13 +85,16 @@ class AssetStages {
     });
   }
 
-  void checkOverriddenStages() {
+  void checkNamedStages() {
     const std::vector<std::string> stages = recipe_.stageNames();
-    for (const auto& [stage, ignored] : asset_.stages.items())
+    const auto check = [&](const std::string& section, const std::string& stage) {
       if (recipe_.stages.count(stage) == 0)
-        problems_.add(badInput({asset_.file, "", at("stages", stage)},
+        problems_.add(badInput({asset_.file, "", at(section, stage)},
                                "the recipe " + recipe_.name + " has no stage \"" + stage + "\"",
                                "one of: " + join(stages, ", "), suggestion(stage, stages)));
+    };
+    for (const auto& [stage, ignored] : asset_.stages.items()) check("stages", stage);
+    for (const std::string& stage : asset_.kept) check("leave_out", stage);
   }
 
   void addStage(const RecipeStage& stage) {
@@ -111,7 +110,8 @@ class AssetStages {
       task.parameters = parametersOf(stage);
       checkRules(stage, tool);
       for (const LeaveOutRule& rule : rules_[stage.name])
-        task.rules.push_back({rule, task_of_.at(rule.figure.stage), task_of_.at(rule.error.stage)});
+        if (const auto figure = makerOf(rule.figure), error = makerOf(rule.error); figure && error)
+          task.rules.push_back({rule, *figure, *error});
     }
     task_of_[stage.name] = graph_.tasks.size();
     graph_.tasks.push_back(std::move(task));
@@ -165,11 +165,29 @@ class AssetStages {
             {asset_.file, "", ""},
             "the stage " + stage.name + " needs the asset's " + wired->second.port + ", and there is none",
             "\"" + wired->second.port + "\" in asset.json"));
+      else if (!wired->second.fromAsset() && mayLack(stage.name, wired->second.stage))
+        problems_.add(
+            badInput(placeOf(stage, "inputs", input.name),
+                     "the stage " + wired->second.stage + " may be left out by a rule, and the tool " +
+                         tool.tool + " requires this input",
+                     "an input that the tool can do without",
+                     "give the stage " + stage.name + " the same rule, so that it is left out, too"));
     }
     for (const auto& output : tool.outputs)
       if (output.required && stage.outputs.count(output.name) == 0)
         problems_.add(badInput(placeOf(stage, "outputs", output.name), "the output has no file name",
                                "a file name, as the tool " + tool.tool + " always writes it"));
+  }
+
+  // Whether a rule may omit `maker` where none omits `user`.
+  bool mayLack(const std::string& user, const std::string& maker) {
+    const std::vector<LeaveOutRule>& own = rules_[user];
+    return std::any_of(rules_[maker].begin(), rules_[maker].end(), [&](const LeaveOutRule& rule) {
+      return rule.omit && std::none_of(own.begin(), own.end(), [&](const LeaveOutRule& other) {
+               return other.omit && other.figure.text() == rule.figure.text() &&
+                      other.at_most >= rule.at_most;
+             });
+    });
   }
 
   void checkPort(const ToolDescription& tool, const std::vector<formats::PortDescription>& ports,
@@ -345,6 +363,13 @@ std::set<TaskIndex> Graph::makersOf(TaskIndex task) const {
     makers.insert(rule.figure_maker);
     makers.insert(rule.error_maker);
   }
+  return makers;
+}
+
+std::set<TaskIndex> Graph::judgesOf(TaskIndex task) const {
+  std::set<TaskIndex> makers;
+  for (const TaskRule& rule : tasks[task].rules)
+    if (rule.rule.omit) makers.merge(std::set<TaskIndex>{rule.figure_maker, rule.error_maker});
   return makers;
 }
 

@@ -44,13 +44,13 @@ struct TaskRule {
 struct Task {
   std::size_t asset = 0;  // into Graph::assets
   std::string stage, tool;
-  std::map<std::string, Input> inputs = {};              // by port of the tool
+  std::map<std::string, Input> inputs = {};  // by port of the tool; without those of makers that are omitted
   std::map<std::string, std::string> outputs = {};       // file name by port
   std::map<std::string, std::string> deliverables = {};  // name by output port; only what is asked for
   formats::Json parameters = formats::Json::object();    // all of the tool's, canonical
   std::vector<TaskRule> rules = {};                      // in the recipe's order; the makers are done before
-  std::string left_out = "";                             // why it does not run; "" if it may
-  bool published = true;                                 // else the outputs stay in the cache
+  std::string left_out = "";  // why it does not run whatever is measured; "" if it may
+  bool published = true;      // else the outputs stay in the cache
 };
 
 struct Graph {
@@ -60,6 +60,9 @@ struct Graph {
   std::string nameOf(TaskIndex task) const;  // "bunny transfer"
   // What has to be done before: makers of inputs, and of the figures of rules.
   std::set<TaskIndex> makersOf(TaskIndex task) const;
+  // Of these, makers of the figures by which rules may omit the whole task: done before its inputs are made.
+  std::set<TaskIndex> judgesOf(TaskIndex task) const;
+  bool mayBeOmitted(TaskIndex task) const { return !judgesOf(task).empty(); }
 };
 
 struct GraphOptions {

@@ -15,14 +15,30 @@ std::string originOf(const Graph& graph, const Input& input) {
   return input.maker ? graph.tasks[*input.maker].stage + "." + input.port : input.file.string();
 }
 
+// "" if nothing may omit the task, else by which figures: "own_uv.shortcomings at most 0".
+std::string omittedIf(const Task& task) {
+  std::string text;
+  for (const TaskRule& rule : task.rules)
+    if (rule.rule.omit)
+      text += (text.empty() ? "" : " or ") + rule.rule.figure.text() + " at most " +
+              Json(rule.rule.at_most).dump();
+  return text;
+}
+
 std::string assetToDot(const Graph& graph, std::size_t asset) {
   std::string nodes, edges;
   for (TaskIndex index = 0; index < graph.tasks.size(); ++index) {
     const Task& task = graph.tasks[index];
     if (task.asset != asset) continue;
-    const std::string name = quoted(graph.nameOf(index));
-    nodes += "    " + name + " [label=" + quoted(task.stage) +
-             (task.left_out.empty() ? "" : ", style=dashed") + "];\n";
+    const std::string name = quoted(graph.nameOf(index)), omitted_if = omittedIf(task);
+    const char* style = !task.left_out.empty() ? ", style=dashed"
+                        : !omitted_if.empty()  ? ", style=dotted"
+                                               : "";
+    nodes += "    " + name + " [label=" + quoted(task.stage) + style + "];\n";
+    for (const TaskRule& rule : task.rules)
+      if (rule.rule.omit)
+        edges += "    " + quoted(graph.nameOf(rule.figure_maker)) + " -> " + name +
+                 " [style=dotted, label=" + quoted(rule.rule.figure.port) + "];\n";
     for (const auto& [port, input] : task.inputs) {
       const std::string from = input.maker ? graph.nameOf(*input.maker) : input.file.string();
       if (!input.maker) nodes += "    " + quoted(from) + " [shape=note];\n";
@@ -62,6 +78,8 @@ std::string toText(const Graph& graph) {
     }
     for (const auto& [port, deliverable] : task.deliverables) text += " -> " + task.outputs.at(port);
     if (!task.left_out.empty()) text += " (left out: " + task.left_out + ")";
+    if (const std::string figures = omittedIf(task); !figures.empty())
+      text += " (left out if " + figures + ")";
     text += "\n";
   }
   return text;
@@ -79,7 +97,8 @@ Json toJson(const Graph& graph) {
                       {"outputs", task.outputs},
                       {"deliverables", task.deliverables},
                       {"parameters", task.parameters},
-                      {"left_out", task.left_out}});
+                      {"left_out", task.left_out},
+                      {"left_out_if", omittedIf(task)}});
   }
   return {{"stages", std::move(stages)}};
 }

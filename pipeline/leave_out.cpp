@@ -1,6 +1,7 @@
 #include "pipeline/leave_out.h"
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "formats/error.h"
 
@@ -18,6 +19,15 @@ double figureOf(const Graph& graph, const Task& task, const Wire& figure, const 
   return stats[figure.port].get<double>();
 }
 
+// Of `rule`, if its figure is small enough.
+std::optional<Omission> judged(const Graph& graph, const Task& task, const TaskRule& rule,
+                               const std::vector<std::optional<CacheEntry>>& entries) {
+  const double value = figureOf(graph, task, rule.rule.figure, *entries.at(rule.figure_maker));
+  const double error = figureOf(graph, task, rule.rule.error, *entries.at(rule.error_maker));
+  if (!(value <= rule.rule.at_most)) return {};
+  return Omission{rule.rule.what, rule.rule.figure.text(), value, rule.rule.at_most, error};
+}
+
 // Whether `rule` changes anything.
 bool apply(const LeaveOutRule& rule, Json& parameters) {
   bool changed = false;
@@ -33,15 +43,23 @@ bool apply(const LeaveOutRule& rule, Json& parameters) {
 
 }  // namespace
 
+std::optional<Omission> omissionOf(const Graph& graph, TaskIndex index,
+                                   const std::vector<std::optional<CacheEntry>>& entries) {
+  const Task& task = graph.tasks[index];
+  for (const TaskRule& rule : task.rules)
+    if (rule.rule.omit)
+      if (auto omission = judged(graph, task, rule, entries)) return omission;
+  return {};
+}
+
 SettledTask settle(const Graph& graph, TaskIndex index,
                    const std::vector<std::optional<CacheEntry>>& entries) {
   const Task& task = graph.tasks[index];
   SettledTask settled{task.parameters, {}};
   for (const TaskRule& rule : task.rules) {
-    const double value = figureOf(graph, task, rule.rule.figure, *entries.at(rule.figure_maker));
-    const double error = figureOf(graph, task, rule.rule.error, *entries.at(rule.error_maker));
-    if (value <= rule.rule.at_most && apply(rule.rule, settled.parameters))
-      settled.omissions.push_back({rule.rule.what, rule.rule.figure.text(), value, rule.rule.at_most, error});
+    if (rule.rule.omit) continue;
+    auto omission = judged(graph, task, rule, entries);
+    if (omission && apply(rule.rule, settled.parameters)) settled.omissions.push_back(std::move(*omission));
   }
   return settled;
 }

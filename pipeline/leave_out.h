@@ -20,7 +20,12 @@ struct Omission {
   double error = 0;  // relative, that it adds; as the rule's error figure estimates it
 };
 
-// A task's parameters after the rules, and which rules applied.
+// Why the whole task is omitted, if a rule does: the first that applies. `entries`: what each task made, by index;
+// those of graph.judgesOf(task) must be there. Throws as settle().
+std::optional<Omission> omissionOf(const Graph& graph, TaskIndex task,
+                                   const std::vector<std::optional<CacheEntry>>& entries);
+
+// A kept task's parameters after the rules, and which rules applied.
 struct SettledTask {
   formats::Json parameters;
   std::vector<Omission> omissions;

@@ -52,6 +52,26 @@ std::vector<std::string> OutputFolder::differences(TaskIndex task, const CacheEn
   return phrases;
 }
 
+std::vector<fs::path> OutputFolder::lying(TaskIndex index) const {
+  std::vector<fs::path> files;
+  const Task& task = graph_.tasks[index];
+  if (!task.published) return files;
+  for (const auto& [port, file] : task.outputs) files.push_back(pathOf(index, port));
+  files.push_back(statsOf(index));
+  std::erase_if(files, [&](const fs::path& file) { return !disk_.isFile(file); });
+  return files;
+}
+
+bool OutputFolder::holds(TaskIndex task) const {
+  return !lying(task).empty();
+}
+
+void OutputFolder::withdraw(TaskIndex task) {
+  for (const fs::path& file : lying(task)) disk_.removeAll(file);
+  const fs::path folder = statsOf(task).parent_path();
+  if (disk_.isFolder(folder) && disk_.list(folder).empty()) disk_.removeAll(folder);
+}
+
 void OutputFolder::publish(TaskIndex task, const CacheEntry& entry) {
   for (const Placed& placed : placesOf(task, entry)) {
     if (differenceOf(placed).empty()) continue;

@@ -26,6 +26,10 @@ class OutputFolder {
   // How the files of `task` differ from `entry`: "mesh.ply is missing", "mesh.ply was edited"; empty if they
   // do not.
   std::vector<std::string> differences(TaskIndex task, const CacheEntry& entry) const;
+  // Whether files of `task` lie there, of whatever entry.
+  bool holds(TaskIndex task) const;
+  // Removes them.
+  void withdraw(TaskIndex task);
   // Copies those that differ.
   void publish(TaskIndex task, const CacheEntry& entry);
 
@@ -35,6 +39,7 @@ class OutputFolder {
     std::filesystem::path path;
   };
   std::vector<Placed> placesOf(TaskIndex task, const CacheEntry& entry) const;
+  std::vector<std::filesystem::path> lying(TaskIndex task) const;
   std::string differenceOf(const Placed& placed) const;  // "" if there is none
 
   std::filesystem::path folder_;

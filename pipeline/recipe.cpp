@@ -41,7 +41,7 @@ AssetPort parseAssetPort(const JsonObject& object, Problems& problems) {
 LeaveOutRule parseRule(const Json& json, const std::string& file, const std::string& pointer,
                        Problems& problems) {
   const JsonObject object(json, file, pointer);
-  object.allowKeys({"what", "figure", "at_most", "error", "set"}, problems);
+  object.allowKeys({"what", "figure", "at_most", "error", "set", "omit"}, problems);
   LeaveOutRule rule{.what = object.text("what"), .figure = parseWire(object, "figure")};
   rule.error = object.has("error") ? parseWire(object, "error") : rule.figure;
   if (!object.has("at_most") || !object.value("at_most").is_number())
@@ -52,8 +52,13 @@ LeaveOutRule parseRule(const Json& json, const std::string& file, const std::str
     const JsonObject values = set.object(parameter);
     for (const std::string& value : values.keys()) rule.set[parameter][value] = values.text(value);
   }
-  if (rule.set.empty())
-    throw badInput(object.placeOf("set"), "the rule changes nothing", "{ parameter: { value: new value } }");
+  rule.omit = object.boolean("omit", false);
+  if (rule.omit && !rule.set.empty())
+    throw badInput(object.placeOf("set"), "a stage that is left out as a whole has nothing to set",
+                   "\"set\" or \"omit\", not both");
+  if (!rule.omit && rule.set.empty())
+    throw badInput(object.placeOf("set"), "the rule changes nothing",
+                   "{ parameter: { value: new value } }, or \"omit\": true for the whole stage");
   return rule;
 }
 
@@ -115,6 +120,15 @@ void checkStage(const Recipe& recipe, const Wire& name, const ErrorPlace& place)
                    "one of: " + join(recipe.stageNames(), ", "), suggestion(name.stage, recipe.stageNames()));
 }
 
+// That `figure` is told whatever is left out.
+void checkFigure(const Recipe& recipe, const Wire& figure, const ErrorPlace& place) {
+  checkStage(recipe, figure, place);
+  if (recipe.stages.at(figure.stage).mayBeOmitted())
+    throw badInput(place,
+                   "the stage " + figure.stage + " may be left out as a whole, and then tells no figure",
+                   "a figure of a stage that no rule omits");
+}
+
 void checkWires(const Recipe& recipe, Problems& problems) {
   for (const auto& [name, stage] : recipe.stages)
     for (const auto& [port, wire] : stage.inputs) {
@@ -131,8 +145,8 @@ void checkWires(const Recipe& recipe, Problems& problems) {
       for (const auto& [key, wire] :
            {std::pair("figure", stage.leave_out[i].figure), std::pair("error", stage.leave_out[i].error)})
         problems.attempt([&, key = key, wire = wire] {
-          checkStage(recipe, wire,
-                     {recipe.file, "", pointer + "/leave_out/" + std::to_string(i) + "/" + key});
+          checkFigure(recipe, wire,
+                      {recipe.file, "", pointer + "/leave_out/" + std::to_string(i) + "/" + key});
         });
   }
   for (const auto& [name, wire] : recipe.deliverables)
@@ -163,6 +177,10 @@ Json merged(Json base, const Json& own, const std::string& file, const std::stri
 }
 
 }  // namespace
+
+bool RecipeStage::mayBeOmitted() const {
+  return std::any_of(leave_out.begin(), leave_out.end(), [](const LeaveOutRule& rule) { return rule.omit; });
+}
 
 std::set<std::string> RecipeStage::makers() const {
   std::set<std::string> makers;

@@ -33,7 +33,8 @@ struct Wire {
   std::string text() const { return stage + "." + port; }
 };
 
-// A measured figure may settle that a stage does less: "bounces" are left out where they add next to nothing.
+// A measured figure may settle that a stage does less: "bounces" are left out where they add next to nothing. Or
+// that it does nothing at all, and has no outputs.
 struct LeaveOutRule {
   std::string what;    // is left out, for people
   Wire figure;         // a number in a stage's stats, as "survey.bounce_energy"
@@ -42,6 +43,7 @@ struct LeaveOutRule {
   // Parameter: value → what it becomes. Parameters with other values are not touched, and a rule that would
   // change nothing is none.
   std::map<std::string, std::map<std::string, std::string>> set = {};
+  bool omit = false;  // the whole stage, which is not made then; sets nothing
 };
 
 struct RecipeStage {
@@ -53,6 +55,7 @@ struct RecipeStage {
   std::map<std::string, Wire> linked = {};  // parameters that have the value of another stage's parameter
   std::vector<LeaveOutRule> leave_out = {};
 
+  bool mayBeOmitted() const;
   std::set<std::string> makers() const;  // stages that have to be done before: of inputs and of figures
 };
 

@@ -22,8 +22,14 @@ Json madeStage(const Graph& graph, TaskIndex task, const Outcome& outcome, const
   stage["key"] = entry.key;
   stage["ingredients"] = toJson(outcome.ingredients);
   stage["outputs"] = outputsOf(graph, task, entry, out);
-  for (const Omission& omission : outcome.omissions) stage["left_out"].push_back(toJson(omission));
   return stage;
+}
+
+// What the outputs that still lie in the folder were made from.
+Json keptStage(const Task& task, const Outcome& outcome, const PastRecord& past) {
+  const bool withdrawn = outcome.status == StageStatus::kLeftOut && task.left_out.empty();
+  if (withdrawn || !past.stage(task.stage).ingredients) return Json::object();
+  return past.json().at("stages").at(task.stage);
 }
 
 }  // namespace
@@ -63,14 +69,14 @@ PastRecord::Stage PastRecord::stage(const std::string& name) const {
 
 Json recordOf(const Graph& graph, std::size_t asset, const std::vector<Outcome>& outcomes,
               const OutputFolder& out, const PastRecord& past) {
-  const Json past_stages = past.json().value("stages", Json::object());
   Json stages = Json::object();
   for (TaskIndex task = 0; task < graph.tasks.size(); ++task) {
     if (graph.tasks[task].asset != asset) continue;
     const Outcome& outcome = outcomes[task];
-    Json stage = outcome.entry ? madeStage(graph, task, outcome, out)
-                               : past_stages.value(graph.tasks[task].stage, Json::object());
+    Json stage =
+        outcome.entry ? madeStage(graph, task, outcome, out) : keptStage(graph.tasks[task], outcome, past);
     stage.erase("error");
+    for (const Omission& omission : outcome.omissions) stage["left_out"].push_back(toJson(omission));
     stage["tool"] = graph.tasks[task].tool;
     stage["status"] = nameOf(outcome.status);
     stage["reason"] = outcome.reason;

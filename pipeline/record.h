@@ -23,9 +23,9 @@ const char* nameOf(StageStatus status);  // "ran", "cached", "left-out", "failed
 struct Outcome {
   StageStatus status = StageStatus::kNotRun;
   std::string reason;
-  bool published = false;                // something in the output folder was made or put right
+  bool published = false;                // something in the output folder was made, put right or removed
   Ingredients ingredients = {};          // if ran or cached
-  std::vector<Omission> omissions = {};  // likewise: what the stage leaves out by measurement
+  std::vector<Omission> omissions = {};  // what is left out of the stage by measurement, or why all of it is
   std::optional<CacheEntry> entry = {};  // if ran or cached
   std::optional<Error> error = {};       // if failed
   int exit_status = 0;                   // of the failed tool, or of the error
@@ -52,8 +52,8 @@ class PastRecord {
   formats::Json json_ = formats::Json::object();
 };
 
-// The record of one asset. A stage that failed or was not run keeps what `past` says of its outputs, as they
-// still lie there.
+// The record of one asset. A stage without an entry keeps what `past` says of its outputs if they still lie there:
+// unless it is left out by measurement.
 formats::Json recordOf(const Graph& graph, std::size_t asset, const std::vector<Outcome>& outcomes,
                        const OutputFolder& out, const PastRecord& past);
 

@@ -47,7 +47,7 @@ class PlanWriter {
                   {"player", nullptr},
                   {"chain", chainOf(swept)}};
     for (const TaskIndex task : neededFor(swept.pack)) {
-      entry["stages"].push_back(costOf(task));
+      if (outcomes_[task].entry) entry["stages"].push_back(costOf(task));
       for (const Omission& omission : outcomes_[task].omissions) {
         entry["left_out"].push_back(toJson(omission));
         entry["left_out"].back()["stage"] = sweep_.graph.tasks[task].stage;
@@ -73,7 +73,9 @@ class PlanWriter {
   // The task itself last.
   std::set<TaskIndex> neededFor(TaskIndex task) const {
     std::set<TaskIndex> needed = {task};
-    for (const TaskIndex maker : sweep_.graph.makersOf(task)) needed.merge(neededFor(maker));
+    const bool omitted = outcomes_[task].status == StageStatus::kLeftOut;
+    for (const TaskIndex maker : omitted ? sweep_.graph.judgesOf(task) : sweep_.graph.makersOf(task))
+      needed.merge(neededFor(maker));
     return needed;
   }
 

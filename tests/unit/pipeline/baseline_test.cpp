@@ -310,6 +310,9 @@ TEST_F(BaselineTest, StageThatIsNotMadeAnyMoreDiffers) {
   save();
   made.stages.erase(made.stages.begin() + 1);
   expectOnlyDiffers("transfer");
+  EXPECT_TRUE(check().notes.empty());
+  made.left_out["transfer"] = "it adds nothing";
+  EXPECT_EQ(check().notes, std::vector<std::string>{"transfer: left out in this run (it adds nothing)"});
 }
 
 TEST_F(BaselineTest, StageThatIsNewDiffers) {
@@ -494,6 +497,7 @@ TEST(MadeAsset, TakesWhatWasMadeAndRefusesWhatFailed) {
   BuildResult result;
   result.outcomes.resize(3);
   result.outcomes[0].status = StageStatus::kLeftOut;
+  result.outcomes[0].reason = "it adds nothing";
   result.outcomes[1].status = StageStatus::kCached;
   result.outcomes[1].ingredients.parameters = {{"order", 3}};
   result.outcomes[1].entry =
@@ -503,6 +507,7 @@ TEST(MadeAsset, TakesWhatWasMadeAndRefusesWhatFailed) {
   const MadeAsset made = madeAsset(graph, 1, result, tools);
   ASSERT_EQ(made.stages.size(), 1u);
   EXPECT_EQ(made.name, "b");
+  EXPECT_EQ(made.left_out, (std::map<std::string, std::string>{{"first", "it adds nothing"}}));
   EXPECT_EQ(made.stages[0].stage, "second");
   EXPECT_EQ(made.stages[0].kinds.at("out"), "tensors");
   EXPECT_EQ(made.stages[0].parameters, Json({{"order", 3}}));

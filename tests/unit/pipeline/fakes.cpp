@@ -185,6 +185,11 @@ ToolFinished FakeRunner::work(const std::vector<std::string>& command) {
   return {.wall_s = 1.5, .cpu_s = 2.5, .peak_memory_bytes = 4096};
 }
 
+void FakeRunner::forgetInterruption() {
+  interrupted_ = interruption_told_ = false;
+  interrupt_after.reset();
+}
+
 std::vector<std::string> FakeRunner::toolsStarted() const {
   std::vector<std::string> names;
   for (const auto& command : commands) names.push_back(Disk::Path(command[0]).filename().string());

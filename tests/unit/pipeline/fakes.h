@@ -87,6 +87,8 @@ class FakeRunner : public Runner {
   std::map<std::string, int> killed_by;        // tool → signal
   bool last_started_ends_first = false;
 
+  void forgetInterruption();  // as a driver that is started again
+
   // Names of the tools started, in order.
   std::vector<std::string> toolsStarted() const;
 

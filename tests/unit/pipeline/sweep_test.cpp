@@ -109,7 +109,8 @@ class SweepTest : public testing::Test, public BuildObserver {
     workshop_.disk.write("recipes/prt.json", recipe_.dump());
     recipes_.emplace("recipes", workshop_.disk);  // reads a recipe once
     Problems problems;
-    const std::vector<Asset> assets = findAssets({"assets/cube"}, "data", *recipes_, workshop_.disk, problems);
+    const std::vector<Asset> assets =
+        findAssets({"assets/cube"}, "data", *recipes_, workshop_.disk, problems);
     std::optional<Sweep> sweep;
     problems.attempt([&] { sweep = planSweep(assets.at(0), *recipes_, tools_, options, problems); });
     problems.throwIfAny();
@@ -316,6 +317,52 @@ TEST_F(SweepTest, AVariantThatFailsIsListedAndTheOthersGoOn) {
   ASSERT_EQ(plan_json.at("failed").size(), 1u);
   EXPECT_EQ(plan_json.at("failed")[0],
             Json({{"name", "order=9"}, {"stage", "transfer"}, {"reason", "is too much"}}));
+}
+
+// Its error is that of the pack against the same with everything kept.
+TEST_F(SweepTest, AStageThatIsLeftOutIsInTheReportAndInWhatItIsMeasuredAgainst) {
+  const auto tool_with = [&](const std::string& name, Json inputs, Json outputs, const Json& stats) {
+    const std::string output = outputs.empty() ? "" : outputs[0].at("name").get<std::string>();
+    workshop_.runner.install(name,
+                             {tool(name, std::move(inputs), std::move(outputs), {integer("order", 5)}),
+                              [output](const auto& inputs_given, const Json&) {
+                                std::map<std::string, std::string> made;
+                                for (const auto& [port_name, content] : inputs_given)
+                                  if (!output.empty()) made[output] += port_name + " " + content;
+                                return made;
+                              },
+                              stats},
+                             "2");
+  };
+  const Json mesh = port("mesh", "mesh");
+  tool_with("survey", Json::array({mesh}), Json::array(), {{"roughness", 0.5}});
+  tool_with("detail", Json::array({mesh}), Json::array({port("detail", "tensors")}), Json::object());
+  tool_with("transfer", {mesh, port("detail", "tensors", false)}, Json::array({port("transfer", "tensors")}),
+            Json::object());
+  Json& stages = recipe_["stages"];
+  stages["survey"]["inputs"]["mesh"] = stages["detail"]["inputs"]["mesh"] = "simplify.simplified";
+  stages["detail"]["outputs"]["detail"] = "detail.safetensors";
+  stages["detail"]["leave_out"] = Json::parse(
+      R"([ { "what": "small detail", "figure": "survey.roughness", "at_most": 0.75, "omit": true } ])");
+  stages["transfer"]["inputs"]["detail"] = "detail.detail";
+  recipe_["report"]["chain"].erase(recipe_["report"]["chain"].begin(),
+                                   recipe_["report"]["chain"].begin() + 2);
+
+  const Json variant = reportPlanOf(plan()).at("variants").at(0);
+  ASSERT_EQ(variant.at("left_out").size(), 1u);
+  EXPECT_EQ(variant.at("left_out")[0], Json({{"what", "small detail"},
+                                             {"stage", "detail"},
+                                             {"figure", "survey.roughness"},
+                                             {"value", 0.5},
+                                             {"threshold", 0.75},
+                                             {"error", 0.5}}));
+  std::vector<std::string> names;
+  for (const Json& stage : variant.at("stages")) names.push_back(stage.at("stage"));
+  EXPECT_THAT(names, testing::UnorderedElementsAre("simplify", "survey", "transfer", "pack"));
+  ASSERT_EQ(variant.at("chain").size(), 2u);
+  EXPECT_EQ(variant.at("chain")[1].at("cause"), "left_out");
+  EXPECT_EQ(variant.at("chain")[1].at("pack"), variant.at("pack"));
+  EXPECT_NE(variant.at("chain")[0].at("pack").at("hash"), variant.at("pack").at("hash")) << "with the detail";
 }
 
 }  // namespace
