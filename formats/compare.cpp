@@ -390,6 +390,24 @@ Comparison compareImages(const Image& image, const Image& reference, const Compa
   return comparison;
 }
 
+Comparison compareIndices(const IndexImage& image, const IndexImage& reference, const CompareLimits& limits) {
+  Comparison comparison;
+  bool same_shape = agree(comparison, "width", image.width, reference.width);
+  same_shape &= agree(comparison, "height", image.height, reference.height);
+  same_shape &= agree(comparison, "channels", image.channel_names, reference.channel_names);
+  if (!same_shape || image.values.empty()) return comparison;
+
+  comparison.compared_values = image.values.size();
+  std::vector<std::size_t> others(image.channelCount(), 0);
+  for (std::size_t i = 0; i < image.values.size(); ++i)
+    others[i % others.size()] += image.values[i] != reference.values[i] ? 1 : 0;
+  const auto texels = static_cast<double>(image.width) * image.height;
+  for (std::size_t c = 0; c < others.size(); ++c)
+    comparison.differences.push_back({"channel " + image.channel_names[c] + ", share of others",
+                                      static_cast<double>(others[c]) / texels, limits.share});
+  return comparison;
+}
+
 Comparison compareTensors(const TensorFile& tensors, const TensorFile& reference,
                           const CompareLimits& limits) {
   Comparison comparison;
@@ -436,7 +454,8 @@ Comparison comparePacks(const Pack& pack, const Pack& reference, const CompareLi
 }
 
 const std::vector<std::string>& comparedKinds() {
-  static const std::vector<std::string> kinds = {"mesh", "meso_mesh", "image", "tensors", "json", "pack"};
+  static const std::vector<std::string> kinds = {"mesh",    "meso_mesh", "image", "id_map",
+                                                 "tensors", "json",      "pack"};
   return kinds;
 }
 
@@ -445,6 +464,10 @@ Comparison compareFiles(const std::string& kind, const std::filesystem::path& fi
   if (kind == "mesh") return compareMeshes(readPly(file), readPly(reference), limits);
   if (kind == "meso_mesh") return compareMesoMeshes(readMesoMesh(file), readMesoMesh(reference), limits);
   if (kind == "image") return compareImages(readImage(file), readImage(reference), limits);
+  if (kind == "id_map") {
+    const std::vector<std::string> channels = exrChannels(reference);
+    return compareIndices(readIndexExr(file, channels), readIndexExr(reference, channels), limits);
+  }
   if (kind == "tensors") return compareTensors(readSafetensors(file), readSafetensors(reference), limits);
   if (kind == "json") return compareJson(readJson(file), readJson(reference), limits);
   if (kind != "pack") throw std::invalid_argument("there is no comparison for files of kind " + kind);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/image.h"
+#include "formats/index_image.h"
 #include "formats/json.h"
 #include "formats/meso_mesh.h"
 #include "formats/pack.h"
@@ -31,6 +32,8 @@ struct CompareLimits {
   // Tensors and the tables of packs: norm of the difference over the reference's norm. JSON: |a − b| over
   // the larger magnitude, for numbers with a fraction; integers agree exactly.
   double relative = 0;
+  // Images of indices, per channel: share of the values that are another.
+  double share = 0;
   // JSON members and metadata keys of tensors that are left out, by name, at any depth.
   std::vector<std::string> ignored_keys = {};
 };
@@ -59,6 +62,7 @@ Comparison compareMeshes(const TriangleMesh& mesh, const TriangleMesh& reference
 Comparison compareMesoMeshes(const MesoMesh& meso_mesh, const MesoMesh& reference,
                              const CompareLimits& limits);
 Comparison compareImages(const Image& image, const Image& reference, const CompareLimits& limits);
+Comparison compareIndices(const IndexImage& image, const IndexImage& reference, const CompareLimits& limits);
 Comparison compareTensors(const TensorFile& tensors, const TensorFile& reference,
                           const CompareLimits& limits);
 Comparison compareJson(const Json& json, const Json& reference, const CompareLimits& limits);

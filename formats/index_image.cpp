@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <new>
 
@@ -28,7 +29,7 @@ void writeIndexExr(const std::filesystem::path& path, const IndexImage& image,
 
 IndexImage readIndexExr(const std::filesystem::path& path, const std::vector<std::string>& channels) {
   const std::unique_ptr<Imf::MultiPartInputFile> file =
-      openPlainExr(path, static_cast<std::size_t>(std::filesystem::file_size(path)));
+      openPlainExr(path, std::numeric_limits<std::size_t>::max());
   Imf::InputPart part(*file, 0);
   for (const std::string& name : channels) {
     const Imf::Channel* channel = part.header().channels().findChannel(name);

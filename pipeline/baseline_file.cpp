@@ -23,11 +23,9 @@ struct Limit {
   const char* name;
   double CompareLimits::*value;
 };
-constexpr Limit kLimits[] = {{"distance", &CompareLimits::distance},
-                             {"normal", &CompareLimits::normal},
-                             {"maximum", &CompareLimits::maximum},
-                             {"rms", &CompareLimits::rms},
-                             {"relative", &CompareLimits::relative}};
+constexpr Limit kLimits[] = {{"distance", &CompareLimits::distance}, {"normal", &CompareLimits::normal},
+                             {"maximum", &CompareLimits::maximum},   {"rms", &CompareLimits::rms},
+                             {"share", &CompareLimits::share},       {"relative", &CompareLimits::relative}};
 constexpr const char* kIgnoredKeys = "ignored_keys";
 
 // Which of the limits mean something for a kind.
@@ -38,6 +36,7 @@ const std::map<std::string, std::vector<std::string>>& limitNames() {
       {"pack", {"distance", "normal", "relative", "maximum"}},
       {"tensors", {"relative", "maximum", kIgnoredKeys}},
       {"image", {"rms", "maximum"}},
+      {"id_map", {"share"}},
       {"json", {"relative", kIgnoredKeys}}};
   return names;
 }
@@ -168,6 +167,7 @@ CompareLimits defaultLimits(const std::string& kind) {
   if (kind == "tensors") return {.maximum = 1e-2, .relative = 1e-3, .ignored_keys = {"mesh_hash"}};
   if (kind == "pack") return {.distance = 1e-5, .normal = 1e-3, .maximum = 2e-2, .relative = 2e-3};
   if (kind == "image") return {.maximum = 0.5, .rms = 5e-3};
+  if (kind == "id_map") return {.share = 1e-3};
   if (kind == "json") return {.relative = 1e-6};
   return {};
 }

@@ -192,6 +192,19 @@ TEST(CompareImages, SizeAndChannelNamesAgreeExactly) {
   EXPECT_FALSE(compareImages(Image(), Image(), {}).passes());
 }
 
+TEST(CompareIndices, CountsValuesThatAreOthers) {
+  const IndexImage reference(5, 2, {"vertex", "material"});
+  IndexImage image = reference;
+  image.texel(3, 1)[0] = 1;
+  image.texel(4, 1)[0] = 70000;
+  const Comparison comparison = compareIndices(image, reference, {.share = 0.1});
+  EXPECT_EQ(failingDifferences(comparison), "channel vertex, share of others;");
+  EXPECT_DOUBLE_EQ(differenceCalled(comparison, "channel vertex, share of others").measured, 0.2);
+  EXPECT_TRUE(compareIndices(image, reference, {.share = 0.2}).passes());
+  EXPECT_FALSE(compareIndices(IndexImage(2, 5, {"vertex", "material"}), reference, {.share = 1}).passes());
+  EXPECT_FALSE(compareIndices(IndexImage(), IndexImage(), {.share = 1}).passes());
+}
+
 TEST(CompareImages, NanNeverPasses) {
   const Image reference(1, 1, {"Y"});
   Image image = reference;
