@@ -164,9 +164,12 @@ SurfaceQuery::SurfaceQuery(SurfaceMesh mesh) : implementation_(std::make_unique<
 
 SurfaceQuery::~SurfaceQuery() = default;
 
-SurfacePoint SurfaceQuery::closest(const Vec3& position, Material material) const {
-  return implementation_->run(
-      {implementation_.get(), position, Vec3::Zero(), Implementation::Among::kAll, material});
+SurfacePoint SurfaceQuery::closest(const Vec3& position, Material material,
+                                   std::optional<std::uint32_t> near_triangle) const {
+  Implementation::Search search{implementation_.get(), position, Vec3::Zero(), Implementation::Among::kAll,
+                                material};
+  if (near_triangle) search.meet(*near_triangle);
+  return implementation_->run(search);
 }
 
 SurfacePoint SurfaceQuery::closestFrom(std::uint32_t near_triangle, const Vec3& position) const {

@@ -47,7 +47,8 @@ class SurfaceQuery {
   // Only among triangles of one material, if that is given; the mesh must have materials then.
   using Material = std::optional<std::uint32_t>;
 
-  SurfacePoint closest(const Vec3& position, Material material = std::nullopt) const;
+  SurfacePoint closest(const Vec3& position, Material material = std::nullopt,
+                       std::optional<std::uint32_t> near_triangle = std::nullopt) const;
   // Only among triangles whose normal is within 90° of `normal`, so that the far side of a thin sheet is
   // never met.
   SurfacePoint closestFacing(const Vec3& position, const Vec3& normal, Material material = std::nullopt,

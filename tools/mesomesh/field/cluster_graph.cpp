@@ -65,24 +65,23 @@ void makeRows(ClusterLevel& level, std::size_t count, const Gather& gather) {
     row.resize(kept);
   };
   level.first.assign(count + 1, 0);
-  const auto forRows = [&](const auto& visit) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
-      std::vector<Link> row;
-      for (std::size_t i = range.begin(); i < range.end(); ++i) {
-        rowOf(i, row);
-        visit(i, row);
-      }
-    });
-  };
-  forRows([&](std::size_t i, const std::vector<Link>& row) {
-    level.first[i + 1] = static_cast<std::uint32_t>(row.size());
+  const std::size_t chunks = (count + kGrain - 1) / kGrain;
+  std::vector<std::vector<Link>> links(chunks);  // of the rows of each chunk, one after the other
+  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+    std::vector<Link> row;
+    for (std::size_t i = chunk * kGrain; i < std::min(count, (chunk + 1) * kGrain); ++i) {
+      rowOf(i, row);
+      level.first[i + 1] = static_cast<std::uint32_t>(row.size());
+      links[chunk].insert(links[chunk].end(), row.begin(), row.end());
+    }
   });
   std::inclusive_scan(level.first.begin(), level.first.end(), level.first.begin());
   level.neighbors.resize(level.first.back()), level.weights.resize(level.first.back());
-  forRows([&](std::size_t i, const std::vector<Link>& row) {
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      level.neighbors[level.first[i] + k] = row[k].to;
-      level.weights[level.first[i] + k] = row[k].weight;
+  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+    std::size_t next = level.first[chunk * kGrain];
+    for (const Link& link : links[chunk]) {
+      level.neighbors[next] = link.to;
+      level.weights[next++] = link.weight;
     }
   });
 }

@@ -5,6 +5,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -29,6 +30,7 @@ constexpr int kSweeps = 10;
 constexpr double kLeastSine = 0.02;
 // A hint farther from the surface than this share of its diagonal is told.
 constexpr double kFarHint = 0.02;
+constexpr double kCalmCosine = 0.7072;
 
 Complex power(Complex z, int symmetry) {
   for (int n = 1; n < symmetry; n *= 2) z *= z;
@@ -120,13 +122,20 @@ std::vector<Complex> solved(const std::vector<ClusterLevel>& levels, int symmetr
 // surface's curvature explains.
 int indexOf(const ClusterLevel& level, const std::vector<Complex>& field, const formats::Triangle& triangle,
             int symmetry) {
-  double turn = 0;
+  std::array<Complex, 3> turns;
   Complex around = 1;
+  bool is_calm = true;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t a = triangle[k], b = triangle[(k + 1) % 3];
-    turn += std::arg(field[b] * std::conj(field[a] * carried(level, a, level, b, symmetry)));
-    around *= carried(level, a, level, b, 1);
+    const Complex carry = carried(level, a, level, b, 1);
+    turns[k] = field[b] * std::conj(field[a] * power(carry, symmetry));
+    around *= carry;
+    is_calm = is_calm && turns[k].real() > kCalmCosine;
   }
+  // Three turns of less than 45° and a curvature of less than 45°: no angle need be taken.
+  if (is_calm && power(around, symmetry).real() > kCalmCosine && around.real() > kCalmCosine) return 0;
+  double turn = 0;
+  for (const Complex& z : turns) turn += std::arg(z);
   return static_cast<int>(std::lround((turn + symmetry * std::arg(around)) / (2 * std::numbers::pi)));
 }
 

@@ -121,21 +121,33 @@ std::vector<Complex> smoothestField(const ClusterLevel& level, int symmetry, con
 
 void smoothField(const ClusterLevel& level, int symmetry, const Held& held, int sweeps,
                  std::vector<Complex>& field) {
+  // Of each link, carried() from the neighbour, times the weight.
+  std::vector<std::complex<float>> turns(level.neighbors.size());
+  std::vector<float> own(level.size());
+  const auto forNodes = [&](const auto& visit) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, field.size(), 2048), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) visit(i);
+    });
+  };
+  forNodes([&](std::size_t i) {
+    for (std::uint32_t k = level.first[i]; k < level.first[i + 1]; ++k) {
+      const Complex turn = carried(level, level.neighbors[k], level, i, symmetry);
+      turns[k] = std::complex<float>(static_cast<double>(level.weights[k]) * turn);
+      own[i] += level.weights[k];
+    }
+  });
   std::vector<Complex> next(field.size());
   for (int sweep = 0; sweep < sweeps; ++sweep) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, field.size(), 2048), [&](const auto& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i) {
-        Complex sum = 0;
-        double weights = 0;
-        for (std::uint32_t k = level.first[i]; k < level.first[i + 1]; ++k) {
-          const std::uint32_t j = level.neighbors[k];
-          sum += static_cast<double>(level.weights[k]) * field[j] * carried(level, j, level, i, symmetry);
-          weights += level.weights[k];
-        }
-        sum += kOwnShare * weights * field[i];
-        const double length = std::abs(sum);
-        next[i] = length > 1e-12 * weights ? sum / length : field[i];
+    forNodes([&](std::size_t i) {
+      double real = kOwnShare * own[i] * field[i].real(), imag = kOwnShare * own[i] * field[i].imag();
+      for (std::uint32_t k = level.first[i]; k < level.first[i + 1]; ++k) {
+        const Complex& z = field[level.neighbors[k]];
+        const double c = turns[k].real(), s = turns[k].imag();
+        real += c * z.real() - s * z.imag();
+        imag += c * z.imag() + s * z.real();
       }
+      const double length = std::sqrt(real * real + imag * imag);
+      next[i] = length > 1e-9 * own[i] ? Complex(real / length, imag / length) : field[i];
     });
     for (const auto& [node, value] : held) next[node] = value;
     field.swap(next);

@@ -19,7 +19,7 @@ double cornerAngle(const CornerMesh& mesh, Side s) {
 
 OriginalSurface::OriginalSurface(const simplify::WorkingMesh& mesh, double crease_angle_deg,
                                  double min_crease_length)
-    : mesh_{CornerMesh(mesh), {}, {}} {
+    : mesh_{CornerMesh(mesh), {}, {}, {}} {
   simplify::markCreases(mesh_.mesh, crease_angle_deg, min_crease_length);
   const std::vector<std::uint8_t> is_crease = mesh_.mesh.side_feature;
   features_ = simplify::markFeatures(mesh_.mesh, crease_angle_deg, min_crease_length);
@@ -83,8 +83,8 @@ void OriginalSurface::findRegions(const simplify::WorkingMesh& original) {
 
 void OriginalSurface::halveCornerEdges() {
   CornerMesh& mesh = mesh_.mesh;
-  const auto side_count = static_cast<Side>(mesh.opposite.size());
-  for (Side s = 0; s < side_count; ++s) {
+  // A split moves the sides after it into the triangles it adds.
+  for (Side s = 0; s < mesh.opposite.size(); ++s) {
     if (mesh.side_feature[s] == 0 || !mesh.isEdge(s)) continue;
     const std::uint32_t a = mesh.start(s), b = mesh.end(s);
     if (mesh.locked[a] == 0 || mesh.locked[b] == 0) continue;
@@ -113,6 +113,7 @@ void OriginalSurface::findCurves() {
   const CornerMesh& mesh = mesh_.mesh;
   mesh_.curve.assign(mesh.positions.size(), kNone);
   mesh_.near.assign(mesh.positions.size(), 0);
+  mesh_.segment.assign(mesh.positions.size(), 0);
   for (Side s = 0; s < mesh.opposite.size(); ++s) mesh_.near[mesh.start(s)] = s / 3;
   // Vertices that features join, without passing a corner.
   std::vector<std::vector<std::uint32_t>> next(mesh.positions.size());
@@ -147,6 +148,7 @@ void OriginalSurface::findCurves() {
   segments.positions = mesh.positions;
   for (const Side s : edges) {
     const std::uint32_t a = mesh.start(s), b = mesh.end(s);
+    mesh_.segment[a] = mesh_.segment[b] = static_cast<std::uint32_t>(segments.triangles.size());
     segments.triangles.push_back({a, b, b});
     segments.materials.push_back(mesh_.curve[mesh.locked[a] != 0 ? b : a]);
   }
@@ -158,8 +160,9 @@ SurfacePoint OriginalSurface::onRegion(const Vec3& position, const Vec3& normal,
   return surface_->closestFacing(position, normal, region, near_triangle);
 }
 
-Vec3 OriginalSurface::onCurve(const Vec3& position, std::uint32_t curve) const {
-  return curves_->closest(position, curve).position;
+SurfacePoint OriginalSurface::onCurve(const Vec3& position, std::uint32_t curve,
+                                      std::uint32_t near_segment) const {
+  return curves_->closest(position, curve, near_segment);
 }
 
 Vec3 OriginalSurface::normalAt(std::uint32_t triangle, const Vec3& barycentric) const {

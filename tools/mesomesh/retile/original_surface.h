@@ -26,7 +26,8 @@ struct SlidingMesh {
   CornerMesh mesh;
   std::vector<std::uint32_t>
       curve;  // of each vertex: the feature line it is kept on; kNone: none, or a corner
-  std::vector<std::uint32_t> near;  // of each vertex: a triangle of the original at or near it
+  std::vector<std::uint32_t> near;     // of each vertex: a triangle of the original at or near it
+  std::vector<std::uint32_t> segment;  // of each vertex on a curve: a segment of it, at or near the vertex
 
   bool isCorner(std::uint32_t v) const { return mesh.locked[v] != 0; }
   bool isOnCurve(std::uint32_t v) const { return curve[v] != kNone; }
@@ -51,7 +52,8 @@ class OriginalSurface {
   // The closest point of the region that faces as `normal` does; invalid if none does.
   SurfacePoint onRegion(const Vec3& position, const Vec3& normal, std::uint32_t region,
                         std::uint32_t near_triangle) const;
-  Vec3 onCurve(const Vec3& position, std::uint32_t curve) const;
+  // `triangle` is the segment's number.
+  SurfacePoint onCurve(const Vec3& position, std::uint32_t curve, std::uint32_t near_segment) const;
   // Unit, interpolated, smooth but across creases.
   Vec3 normalAt(std::uint32_t triangle, const Vec3& barycentric) const;
   const Vec3& triangleNormal(std::uint32_t triangle) const { return surface_->triangleNormal(triangle); }

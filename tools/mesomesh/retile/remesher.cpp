@@ -49,7 +49,9 @@ void splitLong(SlidingMesh& sliding, double max_length, std::size_t max_vertices
     const Side other = mesh.opposite[s];
     const auto first_added = static_cast<Side>(mesh.opposite.size());
     const bool on_curve = mesh.side_feature[s] != 0;
-    sliding.curve.push_back(on_curve ? sliding.curve[sliding.curve[a] != kNone ? a : b] : kNone);
+    const std::uint32_t like = sliding.isOnCurve(a) ? a : b;
+    sliding.curve.push_back(on_curve ? std::uint32_t{sliding.curve[like]} : kNone);
+    sliding.segment.push_back(std::uint32_t{sliding.segment[like]});
     sliding.near.push_back(std::uint32_t{sliding.near[sliding.isOnCurve(a) || sliding.isCorner(a) ? b : a]});
     mesh.splitEdge(s, (mesh.positions[a] + mesh.positions[b]) / 2);
     add(s);
@@ -239,7 +241,7 @@ SlidingMesh compacted(const SlidingMesh& sliding) {
   const std::vector<std::uint32_t> order = spatialOrder(from);
   std::vector<std::uint32_t> new_vertex(from.positions.size(), kNone);
   transport::SurfaceMesh surface;
-  SlidingMesh result{CornerMesh(surface), {}, {}};
+  SlidingMesh result{CornerMesh(surface), {}, {}, {}};
   std::vector<std::uint8_t> feature, locked;
   for (const std::uint32_t t : order) {
     formats::Triangle triangle;
@@ -250,6 +252,7 @@ SlidingMesh compacted(const SlidingMesh& sliding) {
         surface.positions.push_back(Vec3(from.positions[v]));
         result.curve.push_back(std::uint32_t{sliding.curve[v]});
         result.near.push_back(std::uint32_t{sliding.near[v]});
+        result.segment.push_back(std::uint32_t{sliding.segment[v]});
         feature.push_back(std::uint8_t{from.feature[v]});
         locked.push_back(std::uint8_t{from.locked[v]});
       }

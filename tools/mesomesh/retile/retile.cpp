@@ -31,9 +31,9 @@ constexpr int kMostSubdivisions = 3;
 // original does, and at least so many at all.
 constexpr double kCoarseShare = 1.5;
 constexpr std::int64_t kLeastCoarse = 4000;
-constexpr int kLeastRounds = 6, kMostRounds = 24, kPolishRounds = 4, kEvenRounds = 2;
+constexpr int kLeastRounds = 6, kMostRounds = 24, kPolishRounds = 4, kEvenRounds = 2, kStuckRounds = 3;
 // Where the rounds stop; the rest of the tolerance is for what the estimate of copies leaves out.
-constexpr double kGoodCount = 0.02;
+constexpr double kGoodCount = 0.02, kNearCount = 0.1;
 // A share of triangles this large that face away from the original says that the coarse mesh was too coarse.
 constexpr double kFoldedShare = 1e-4;
 // Creases shorter than this many edges of the result are noise.
@@ -117,15 +117,21 @@ SlidingMesh coarseMesh(const OriginalSurface& original, const Target& target, do
   SlidingMesh mesh = original.mesh();
   const double count = target.vertices * target.front_share / std::pow(4.0, subdivisions);
   const auto most = static_cast<std::size_t>(8 * count) + 2 * mesh.mesh.positions.size() + 1000;
-  double length = edgeLength(area, count);
+  double length = edgeLength(area, count), last_ratio = 0;
+  int stuck = 0;
   for (int round = 0; round < kMostRounds; ++round) {
     remeshOnce(mesh, original, length, most);
     const double ratio = target.ratio(mesh.mesh, subdivisions);
     if (round + 1 >= kLeastRounds && std::abs(ratio - 1) <= kGoodCount) break;
+    // Features and components need as many as there are.
+    stuck = ratio > 1 && std::abs(ratio - last_ratio) < 1e-3 * ratio ? stuck + 1 : 0;
+    if (stuck == kStuckRounds && ratio > 1 + kCountTolerance) break;
+    last_ratio = ratio;
     if (mesh.mesh.positions.size() > 3 * most / 4) mesh = compacted(mesh);
-    // Evening out keeps edges between the bounds that splits and collapses have, so the number follows slowly:
-    // a full step where √ratio would be the right one.
-    length *= std::clamp(ratio, 0.5, 2.0);
+    // Evening out keeps edges between the bounds that splits and collapses have, so near the end the number
+    // follows slowly: a longer step there than √ratio, which is right before.
+    const double exponent = std::abs(ratio - 1) < kNearCount ? 0.8 : 0.5;
+    length *= std::clamp(std::pow(ratio, exponent), 0.5, 2.0);
   }
   polish(mesh, original, kPolishRounds);
   return compacted(mesh);

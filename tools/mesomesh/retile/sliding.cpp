@@ -40,18 +40,19 @@ Ring ringOf(const CornerMesh& mesh, std::uint32_t v) {
   return ring;
 }
 
-struct Place {
-  Vec3 position;
-  std::uint32_t near;
-};
-
-Place onOriginal(const SlidingMesh& sliding, const OriginalSurface& original, std::uint32_t v,
-                 const Vec3& position, const Vec3& normal) {
-  if (sliding.isOnCurve(v)) return {original.onCurve(position, sliding.curve[v]), sliding.near[v]};
+// Where the vertex comes to lie; remembers what is near there.
+Vec3 onOriginal(SlidingMesh& sliding, const OriginalSurface& original, std::uint32_t v, const Vec3& position,
+                const Vec3& normal) {
+  if (sliding.isOnCurve(v)) {
+    const SurfacePoint foot = original.onCurve(position, sliding.curve[v], sliding.segment[v]);
+    sliding.segment[v] = foot.triangle;
+    return foot.position;
+  }
   const std::uint32_t region = sliding.mesh.materials[sliding.mesh.leaving[v] / 3];
   const SurfacePoint foot = original.onRegion(position, normal, region, sliding.near[v]);
-  if (!foot.valid) return {sliding.mesh.positions[v], sliding.near[v]};
-  return {foot.position, foot.triangle};
+  if (!foot.valid) return sliding.mesh.positions[v];
+  sliding.near[v] = foot.triangle;
+  return foot.position;
 }
 
 template <class Visit>
@@ -82,9 +83,7 @@ void evenOut(SlidingMesh& sliding, const OriginalSurface& original, int rounds) 
         const Vec3 move = ring.middle / ring.neighbors - mesh.positions[v];
         target = mesh.positions[v] + move - normal.dot(move) * normal;
       }
-      const Place place = onOriginal(sliding, original, v, target, normal);
-      places[v] = place.position;
-      sliding.near[v] = place.near;
+      places[v] = onOriginal(sliding, original, v, target, normal);
     });
     mesh.positions.swap(places);
   }
@@ -98,11 +97,9 @@ void drop(SlidingMesh& sliding, const OriginalSurface& original, std::size_t fir
     if (mesh.leaving[v] == kNone || sliding.isCorner(v)) return;
     const Ring ring = ringOf(mesh, v);
     const double length = ring.area.norm();
-    const Place place =
+    places[v - first] =
         onOriginal(sliding, original, v, mesh.positions[v],
                    length > 0 ? Vec3(ring.area / length) : original.triangleNormal(sliding.near[v]));
-    places[v - first] = place.position;
-    sliding.near[v] = place.near;
   });
   std::copy(places.begin(), places.end(), mesh.positions.begin() + static_cast<std::ptrdiff_t>(first));
 }

@@ -13,12 +13,13 @@ SlidingMesh subdivided(const SlidingMesh& sliding) {
       from.opposite.size(), [&](std::size_t s) { return from.isEdge(static_cast<Side>(s)); });
   const std::size_t count = old_count + edges.size();
 
-  SlidingMesh result{CornerMesh(transport::SurfaceMesh{}), sliding.curve, sliding.near};
+  SlidingMesh result{CornerMesh(transport::SurfaceMesh{}), sliding.curve, sliding.near, sliding.segment};
   CornerMesh& to = result.mesh;
   to.positions = from.positions;
   to.feature = from.feature, to.locked = from.locked, to.leaving = from.leaving;
   to.positions.resize(count), to.feature.resize(count, 0), to.locked.resize(count, 0);
-  to.leaving.resize(count, kNone), result.curve.resize(count, kNone), result.near.resize(count, 0);
+  to.leaving.resize(count, kNone), result.curve.resize(count, kNone), result.near.resize(count, 0),
+      result.segment.resize(count, 0);
   to.triangles.resize(4 * triangle_count), to.materials.resize(4 * triangle_count);
   to.opposite.assign(12 * triangle_count, kNone), to.side_feature.assign(12 * triangle_count, 0);
 
@@ -37,7 +38,9 @@ SlidingMesh subdivided(const SlidingMesh& sliding) {
     result.near[m] = sliding.near[sliding.isOnCurve(a) || sliding.isCorner(a) ? b : a];
     if (from.side_feature[s] != 0) {
       to.feature[m] = 1;
-      result.curve[m] = sliding.curve[sliding.curve[a] != kNone ? a : b];
+      const std::uint32_t like = sliding.isOnCurve(a) ? a : b;
+      result.curve[m] = sliding.curve[like];
+      result.segment[m] = sliding.segment[like];
     }
     to.leaving[m] = secondHalf(s);
   });
