@@ -1,11 +1,11 @@
-// Synthesis of three exemplars over a rippled ball of 960,000 vertices: seconds and quality, beside controls
-// whose figures are known.
+// Synthesis of three exemplars over a rippled ball of 960,000 vertices, cut in two: seconds and quality, beside
+// controls whose figures are known.
 //
 //   bench_synthesis [Google Benchmark flags]
 //   BAKELIGHT_BENCH_VERTICES=n      another number of vertices (960000)
 //   BAKELIGHT_BENCH_MESH=path       another mesh, subdivided until it has half as many at least
 //   BAKELIGHT_BENCH_THREADS=n       no more than n threads
-//   BAKELIGHT_BENCH_PICTURES=folder the results as coloured meshes, for `inspect --preview`
+//   BAKELIGHT_BENCH_PICTURES=folder pictures of the results
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
@@ -18,9 +18,10 @@
 #include <string>
 
 #include "formats/error.h"
+#include "formats/image.h"
 #include "formats/mesh_import.h"
-#include "formats/mesh_ply.h"
 #include "tests/support/exemplars.h"
+#include "tests/support/painted_picture.h"
 #include "tests/support/rippled_ball.h"
 #include "tests/support/textured_surface.h"
 #include "tools/mesomesh/synthesis/synthesize.h"
@@ -41,10 +42,10 @@ const tests::TexturedSurface& largeSurface() {
   static const tests::TexturedSurface surface = [] {
     const std::size_t vertices = std::stoul(environment("BAKELIGHT_BENCH_VERTICES", "960000"));
     const std::string path = environment("BAKELIGHT_BENCH_MESH", "");
-    if (path.empty()) return tests::texturedSurface(tests::rippledBall(2 * vertices));
+    if (path.empty()) return tests::cut(tests::texturedSurface(tests::rippledBall(2 * vertices)));
     formats::TriangleMesh mesh = formats::importMesh(path).mesh;
     while (2 * mesh.vertexCount() < vertices) mesh = tests::subdivided(mesh);
-    return tests::texturedSurface(std::move(mesh));
+    return tests::cut(tests::texturedSurface(std::move(mesh)));
   }();
   return surface;
 }
@@ -52,6 +53,7 @@ const tests::TexturedSurface& largeSurface() {
 void count(benchmark::State& state, const SynthesisQuality& quality) {
   state.counters["neighbourhood_error"] = quality.neighborhood_error;
   state.counters["neighbourhood_error_ratio"] = quality.neighborhood_error_ratio;
+  state.counters["random_ratio"] = quality.random_ratio;
   state.counters["coherent_share"] = quality.coherent_share;
   state.counters["coverage"] = quality.coverage;
   state.counters["entropy"] = quality.entropy;
@@ -78,9 +80,13 @@ void runLarge(benchmark::State& state, const std::string& name, const formats::I
     state.counters["retained_variance"] = patch.report.levels[0].retained_variance;
     count(state, qualityOf(surface.view(), exemplars, options, patch.coordinates));
     const std::string folder = environment("BAKELIGHT_BENCH_PICTURES", "");
-    if (!folder.empty())
-      formats::writePly(std::filesystem::path(folder) / (name + ".ply"),
-                        tests::painted(surface, image, patch.coordinates));
+    if (folder.empty()) continue;
+    const formats::TriangleMesh mesh = tests::painted(surface, image, patch.coordinates);
+    for (const double yaw_deg : {30.0, 210.0})
+      formats::writePng(std::filesystem::path(folder) / (name + (yaw_deg < 180 ? "_front.png" : "_back.png")),
+                        tests::paintedPicture(mesh, 1400, yaw_deg));
+    formats::writePng(std::filesystem::path(folder) / (name + "_near.png"),
+                      tests::paintedPicture(mesh, 1400, 30, 4));
   }
 }
 
@@ -102,14 +108,15 @@ void runFlatTorus(benchmark::State& state, const std::string& name, const format
   for ([[maybe_unused]] const auto iteration : state) {
     SynthesisOptions options;
     options.randomness = 0;
-    const std::vector<Exemplar> exemplars = {makeExemplar(image, {}, name)};
+    const std::vector<Exemplar> exemplars = {
+        makeExemplar(image, {.periodic = true, .texel_size = 1.0}, name)};
     count(state, synthesize(surface.view(), exemplars, options).report.quality);
   }
 }
 
 void runFull(benchmark::State& state, const std::string& name, const formats::Image& image,
              SynthesisMethod method) {
-  const tests::TexturedSurface surface = tests::texturedSurface(tests::rippledBall(8000));
+  const tests::TexturedSurface surface = tests::texturedSurface(tests::rippledBall(4000));
   for ([[maybe_unused]] const auto iteration : state) {
     SynthesisOptions options;
     options.method = method;

@@ -50,6 +50,44 @@ inline TexturedSurface texturedSurface(formats::TriangleMesh mesh,
   return surface;
 }
 
+// Vertices doubled along cuts across x, a fifth of a unit apart, as an atlas leaves them at the borders of charts.
+inline TexturedSurface cut(TexturedSurface surface) {
+  std::vector<std::uint32_t> copies(surface.mesh.vertexCount(), ~0U);
+  for (formats::Triangle& t : surface.mesh.triangles) {
+    float x = 0;
+    for (const std::uint32_t v : t) x += surface.mesh.positions[v][0];
+    if (std::lround(5 * x / 3) % 2 == 0) continue;
+    for (std::uint32_t& v : t) {
+      if (copies[v] == ~0U) {
+        copies[v] = static_cast<std::uint32_t>(surface.mesh.vertexCount());
+        surface.mesh.positions.push_back(surface.mesh.positions[v]);
+        surface.mesh.normals.push_back(surface.mesh.normals[v]);
+        surface.tangents.push_back(surface.tangents[v]);
+        surface.exemplars.push_back(surface.exemplars[v]);
+      }
+      v = copies[v];
+    }
+  }
+  // What is left of the vertices that were copied entirely would be doubled too.
+  std::vector<std::uint32_t> renumbered(surface.mesh.vertexCount(), ~0U);
+  TexturedSurface result;
+  result.period = surface.period;
+  for (formats::Triangle t : surface.mesh.triangles) {
+    for (std::uint32_t& v : t) {
+      if (renumbered[v] == ~0U) {
+        renumbered[v] = static_cast<std::uint32_t>(result.mesh.vertexCount());
+        result.mesh.positions.push_back(surface.mesh.positions[v]);
+        result.mesh.normals.push_back(surface.mesh.normals[v]);
+        result.tangents.push_back(surface.tangents[v]);
+        result.exemplars.push_back(surface.exemplars[v]);
+      }
+      v = renumbered[v];
+    }
+    result.mesh.triangles.push_back(t);
+  }
+  return result;
+}
+
 // A square grid of vertices one unit apart in the plane y = 0, without border: it goes on at the other side.
 // u points along +x, v along −z.
 inline TexturedSurface flatTorus(std::uint32_t side) {

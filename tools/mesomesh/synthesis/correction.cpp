@@ -10,6 +10,9 @@ namespace {
 // How much better a similar place must be than what continues a neighbor: coherent patches are what keeps
 // features whole (Ashikhmin 2001). In 1/16.
 constexpr std::int32_t kCoherencePreference = 2;
+// Cells that coordinates then move by themselves: on a curved surface no neighbor continues exactly, and
+// what does not add up is spread over a patch instead of breaking it.
+constexpr int kRefinements = 2;
 
 class Corrector {
  public:
@@ -33,10 +36,19 @@ class Corrector {
         consider(proposer, {at[0] + ((x - texel[0]) << kFixedBits), at[1] + ((y - texel[1]) << kFixedBits)},
                  kCoherencePreference);
     }
+    best_.error = matcher_.error(surroundings_, best_.at);
+    for (int step = 0; step < kRefinements; ++step) refine();
     return best_.at;
   }
 
  private:
+  // To the best of the four cells next to it, if it is better.
+  void refine() {
+    const FixedPoint from = best_.at;
+    const Fixed cell = appearance_.cellSize();
+    for (const FixedPoint& move : {FixedPoint{cell, 0}, {-cell, 0}, {0, cell}, {0, -cell}})
+      consider({from[0] + move[0], from[1] + move[1]}, 0);
+  }
   std::array<int, 2> texelOf(FixedPoint at) const {
     int x = (at[0] + kHalfTexel) >> kFixedBits, y = (at[1] + kHalfTexel) >> kFixedBits;
     if (x == appearance_.width()) x = 0;
@@ -44,12 +56,12 @@ class Corrector {
     return {x, y};
   }
   void consider(const Proposer& proposer, FixedPoint theirs, std::int32_t penalty) {
-    FixedPoint at = matcher_.turns()(theirs, proposer.turns);
-    at[0] -= proposer.offset[0], at[1] -= proposer.offset[1];
-    if (appearance_.periodic())
-      at = appearance_.admitted(at);
-    else if (!appearance_.contains(at))
-      return;
+    const FixedPoint at = matcher_.turns()(theirs, proposer.turns);
+    consider({at[0] - proposer.offset[0], at[1] - proposer.offset[1]}, penalty);
+  }
+  void consider(FixedPoint at, std::int32_t penalty) {
+    if (!appearance_.periodic() && !appearance_.contains(at)) return;
+    at = appearance_.admitted(at);
     std::int32_t error = matcher_.error(surroundings_, at);
     error += error / 16 * penalty;
     if (error < best_.error) best_ = {at, error};

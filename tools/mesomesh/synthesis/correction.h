@@ -22,9 +22,9 @@ struct LevelState {
 void correctOnce(const LevelState& level, std::size_t ranges, std::vector<FixedPoint>& coordinates);
 
 // One sweep of exhaustive search: vertices in the order of Turk 2001 (along the field's first axis), each the
-// best of all places of the exemplar, to a cell of its table. Hours for a large mesh: it is the measure of the
-// other.
-void searchOnce(const LevelState& level, std::vector<FixedPoint>& coordinates);
+// best of all places of the exemplar, to a cell of its table. Returns how many vertices
+// changed. Hours for a large mesh: it is the measure of the other.
+std::size_t searchOnce(const LevelState& level, std::vector<FixedPoint>& coordinates);
 
 struct Match {
   FixedPoint at = {0, 0};

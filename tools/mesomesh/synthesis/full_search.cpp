@@ -39,6 +39,7 @@ Match bestOfAll(const Matcher& matcher, const Surroundings& surroundings, const 
     }
   }
   Match best = start;
+  if (best.error == 0) return best;
   FixedPoint at;
   for (at[1] = begin[1]; at[1] < end[1]; at[1] += cell) {
     at[0] = begin[0];
@@ -51,7 +52,8 @@ Match bestOfAll(const Matcher& matcher, const Surroundings& surroundings, const 
   return best;
 }
 
-void searchOnce(const LevelState& level, std::vector<FixedPoint>& coordinates) {
+std::size_t searchOnce(const LevelState& level, std::vector<FixedPoint>& coordinates) {
+  std::size_t changed = 0;
   const std::vector<float> distances = sweepDistances(level.graph);
   std::vector<std::uint32_t> order(distances.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -61,9 +63,13 @@ void searchOnce(const LevelState& level, std::vector<FixedPoint>& coordinates) {
     const Matcher* matcher = level.matchers[level.graph.exemplars[v]];
     if (matcher == nullptr) continue;
     const Surroundings surroundings = matcher->surroundings(level.plan.samples[v], coordinates.data());
-    coordinates[v] =
-        bestOfAll(*matcher, surroundings, {coordinates[v], matcher->error(surroundings, coordinates[v])}).at;
+    const Match own{coordinates[v], matcher->error(surroundings, coordinates[v])};
+    const Match best = bestOfAll(*matcher, surroundings, own);
+    if (best.error == own.error) continue;
+    coordinates[v] = best.at;
+    ++changed;
   }
+  return changed;
 }
 
 }  // namespace bakelight::mesomesh

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bitset>
-#include <cmath>
 
 namespace bakelight::mesomesh {
 namespace {
@@ -17,12 +16,12 @@ constexpr std::size_t kMostRings = kMostLinks * (kMostLinks + 1);
 // The two rings around a vertex, each vertex once, along the mean of the ways to it.
 class Rings {
  public:
-  Rings() { links_.reserve(kMostRings), ways_.reserve(kMostRings); }
-
   void collect(const SurfaceGraph& graph, std::size_t vertex) {
-    links_.assign(graph.linksOf(vertex).begin(), graph.linksOf(vertex).end());
+    places_.fill(kFree);
+    links_.clear();
+    ways_.clear();
+    for (const Link& near : graph.linksOf(vertex)) insert(near);
     const std::size_t first_ring = links_.size();
-    ways_.assign(first_ring, 1);
     for (std::size_t r = 0; r < first_ring; ++r) {
       const Link near = links_[r];
       for (const Link& further : graph.linksOf(near.to))
@@ -34,18 +33,30 @@ class Rings {
   std::span<const Link> links() const { return links_; }
 
  private:
-  void add(const Link& link, std::size_t first_ring) {
-    for (std::size_t l = 0; l < links_.size(); ++l) {
-      if (links_[l].to != link.to) continue;
-      if (l < first_ring || links_[l].turns != link.turns) return;
-      for (std::size_t axis = 0; axis < 2; ++axis) links_[l].offset[axis] += link.offset[axis];
-      ways_[l] += 1;
-      return;
-    }
+  static constexpr std::uint16_t kFree = 0xffff;
+  static constexpr std::size_t kPlaces = 512;  // more than there are vertices in two rings
+  static_assert(kPlaces > kMostRings);
+
+  // Where a vertex is, or will be.
+  std::uint16_t& placeOf(std::uint32_t vertex) {
+    std::size_t place = (vertex * 0x9e3779b9U) >> 23;
+    while (places_[place] != kFree && links_[places_[place]].to != vertex) place = (place + 1) % kPlaces;
+    return places_[place];
+  }
+  void insert(const Link& link) {
+    placeOf(link.to) = static_cast<std::uint16_t>(links_.size());
     links_.push_back(link);
     ways_.push_back(1);
   }
+  void add(const Link& link, std::size_t first_ring) {
+    const std::size_t known = placeOf(link.to);
+    if (known == kFree) return insert(link);
+    if (known < first_ring || links_[known].turns != link.turns) return;
+    for (std::size_t axis = 0; axis < 2; ++axis) links_[known].offset[axis] += link.offset[axis];
+    ways_[known] += 1;
+  }
 
+  std::array<std::uint16_t, kPlaces> places_;
   std::vector<Link> links_;
   std::vector<float> ways_;
 };
@@ -126,9 +137,10 @@ FixedPoint fixedOffset(const Offset& offset, double texel_size) {
   // A vertex further away than any exemplar is wide proposes nothing of use; it must only not overflow.
   constexpr double kMost = 1 << 14;
   FixedPoint result;
-  for (std::size_t axis = 0; axis < 2; ++axis)
-    result[axis] =
-        static_cast<Fixed>(std::lround(std::clamp(offset[axis] / texel_size, -kMost, kMost) * kOneTexel));
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const double texels = std::clamp(offset[axis] / texel_size, -kMost, kMost) * kOneTexel;
+    result[axis] = static_cast<Fixed>(texels < 0 ? texels - 0.5 : texels + 0.5);
+  }
   return result;
 }
 

@@ -53,14 +53,14 @@ void checkLengths(const SurfaceView& surface) {
 void checkValues(const SurfaceView& surface, std::size_t exemplar_count) {
   const std::size_t count = surface.positions.size();
   for (std::size_t v = 0; v < count; ++v) {
-    const ErrorPlace place{surface.name, "vertex " + std::to_string(v), ""};
-    if (!isFinite(surface.positions[v])) throw badInput(place, "its position is not finite");
+    const auto place = [&] { return ErrorPlace{surface.name, "vertex " + std::to_string(v), ""}; };
+    if (!isFinite(surface.positions[v])) throw badInput(place(), "its position is not finite");
     if (!isFinite(surface.normals[v]) || surface.normals[v] == Float3{0, 0, 0})
-      throw badInput(place, "its normal has no direction", "a direction away from the surface");
-    if (!isFinite(surface.tangents[v])) throw badInput(place, "its tangent is not finite");
+      throw badInput(place(), "its normal has no direction", "a direction away from the surface");
+    if (!isFinite(surface.tangents[v])) throw badInput(place(), "its tangent is not finite");
     if (surface.exemplars[v] >= exemplar_count)
-      throw badInput(place, "it takes exemplar " + std::to_string(surface.exemplars[v]) + " of " +
-                                std::to_string(exemplar_count));
+      throw badInput(place(), "it takes exemplar " + std::to_string(surface.exemplars[v]) + " of " +
+                                  std::to_string(exemplar_count));
   }
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
     for (const std::uint32_t v : surface.triangles[t])

@@ -27,8 +27,15 @@ double scaleOf(const Matcher& matcher, const Surroundings& surroundings) {
 
 struct VertexErrors {
   bool counted = false;
-  double own = 0, best = 0;
+  double own = 0, best = 0, random = 0;
 };
+
+FixedPoint randomPlace(const AppearanceLevel& appearance, std::size_t vertex) {
+  const std::uint64_t bits = transport::scrambled(transport::scrambled(1) ^ vertex);
+  return appearance.admitted(
+      {static_cast<Fixed>((bits & 0xffff) * static_cast<std::uint64_t>(appearance.width())),
+       static_cast<Fixed>((bits >> 16 & 0xffff) * static_cast<std::uint64_t>(appearance.height()))});
+}
 
 VertexErrors errorsOf(const LevelState& level, std::size_t v, const std::vector<FixedPoint>& coordinates,
                       bool search) {
@@ -39,7 +46,8 @@ VertexErrors errorsOf(const LevelState& level, std::size_t v, const std::vector<
   if (!(scale > 0)) return {};
   const Match own{coordinates[v], matcher->error(surroundings, coordinates[v])};
   const Match best = search ? bestOfAll(*matcher, surroundings, own) : own;
-  return {true, own.error / scale, best.error / scale};
+  return {true, own.error / scale, best.error / scale,
+          search ? matcher->error(surroundings, randomPlace(matcher->appearance(), v)) / scale : 0};
 }
 
 void measureErrors(const LevelState& level, const std::vector<FixedPoint>& coordinates,
@@ -51,14 +59,15 @@ void measureErrors(const LevelState& level, const std::vector<FixedPoint>& coord
     const std::size_t begin = count * s / sampled, size = count * (s + 1) / sampled - begin;
     errors[s] = errorsOf(level, begin + transport::scrambled(s) % size, coordinates, true);
   });
-  double own = 0, best = 0, counted = 0;
+  double own = 0, best = 0, random = 0, counted = 0;
   for (const VertexErrors& error : errors) {
-    own += error.own, best += error.best;
+    own += error.own, best += error.best, random += error.random;
     counted += error.counted ? 1 : 0;
   }
   if (counted > 0)
     quality.neighborhood_error = own / counted, quality.best_neighborhood_error = best / counted;
   if (own > 0) quality.neighborhood_error_ratio = own / best;
+  if (random > 0) quality.random_ratio = random / best;
 }
 
 void measureSeams(const LevelState& level, std::span<const std::uint8_t> on_seam,

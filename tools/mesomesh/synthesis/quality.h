@@ -18,6 +18,8 @@ struct SynthesisQuality {
   double best_neighborhood_error = 0;
   // The first ÷ the second; 1 where both are 0.
   double neighborhood_error_ratio = 1;
+  // What the ratio would be with each vertex of the sample at a random place, its neighbors as they are.
+  double random_ratio = 1;
   // Share of neighboring pairs whose coordinates differ by their distance on the surface, to half a texel:
   // below 0.4 it is noise, above 0.95 a tiling.
   double coherent_share = 1;

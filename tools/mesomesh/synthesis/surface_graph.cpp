@@ -171,7 +171,7 @@ MeshGraph graphOf(const SurfaceView& surface, FieldFolds folds, std::size_t exem
   result.on_seam = std::move(vertices.on_seam);
   std::vector<Link> links(neighbors.list.size());
   std::vector<std::uint32_t> link_count(count);
-  std::vector<std::uint8_t> any_dropped(count);
+  std::vector<std::uint8_t> any_dropped(count), twisted(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t v) {
     const auto own = static_cast<std::uint32_t>(v);
     std::vector<std::uint32_t> around(
@@ -189,7 +189,8 @@ MeshGraph graphOf(const SurfaceView& surface, FieldFolds folds, std::size_t exem
       const MeasuredLink link =
           own < w ? measured(vertices.frames[v], vertices.frames[w], w, folds, surface.period)
                   : measured(vertices.frames[w], vertices.frames[v], own, folds, surface.period);
-      if (link.twisted) result.on_seam[v] = 1;
+      if (link.twisted) twisted[v] = 1;
+      if (link.link.turns != 0) result.on_seam[v] = 1;
       *end++ = own < w ? link.link : reversed(link.link, w);
     }
     if (end > begin + kMostLinks) {
@@ -211,6 +212,7 @@ MeshGraph graphOf(const SurfaceView& surface, FieldFolds folds, std::size_t exem
                 graph.links.begin() + static_cast<std::ptrdiff_t>(graph.first[v]));
   });
   if (std::find(any_dropped.begin(), any_dropped.end(), 1) != any_dropped.end()) keepMutual(graph);
+  result.twisted_vertices = static_cast<std::size_t>(std::count(twisted.begin(), twisted.end(), 1));
   result.welded_vertices = surface.positions.size() - count;
   result.vertex_of = std::move(vertices.vertex_of);
   return result;

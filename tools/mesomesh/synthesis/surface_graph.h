@@ -82,8 +82,9 @@ struct MeshGraph {
   // order the mesh has, and vertices at one place whose normals agree (as cuts of an atlas leave them) are one.
   std::vector<std::uint32_t> vertex_of;
   std::size_t welded_vertices = 0;
-  // Of each of the graph's vertices: whether it was welded, a frame turns by more than 30° to a neighbor
-  // (near a singularity of the field), or a neighbor takes another exemplar.
+  std::size_t twisted_vertices = 0;  // SynthesisReport
+  // Of each of the graph's vertices: whether several of the mesh's are at its place, a frame next to it is
+  // turned, or a neighbor takes another exemplar.
   std::vector<std::uint8_t> on_seam;
 };
 

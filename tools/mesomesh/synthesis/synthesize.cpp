@@ -20,6 +20,9 @@ constexpr double kCoarserShare = 0.8;
 // Shares of a level's spacing by which its coordinates are moved; finer levels only mend.
 constexpr double kJitter = 0.5, kLeastJitteredStep = 3;
 
+// Of exhaustive search; it mostly stands still after a third of them.
+constexpr int kMostSweeps = 40;
+
 struct Surface {
   MeshGraph mesh;
   double spacing;
@@ -173,12 +176,11 @@ class Synthesis {
 
   void correct(const LevelState& state, bool coarsest) {
     const int passes = coarsest ? 2 * options_.passes : options_.passes;
-    for (int pass = 0; pass < passes; ++pass) {
-      if (options_.method == SynthesisMethod::kFull)
-        searchOnce(state, coordinates_);
-      else
-        correctOnce(state, ranges_, coordinates_);
-    }
+    if (options_.method == SynthesisMethod::kCoherent)
+      for (int pass = 0; pass < passes; ++pass) correctOnce(state, ranges_, coordinates_);
+    else
+      for (int sweep = 0; sweep < kMostSweeps && searchOnce(state, coordinates_) > 0; ++sweep) {
+      }
   }
 
   const Surface& surface_;
@@ -207,6 +209,7 @@ PatchCoordinates synthesize(const SurfaceView& view, std::span<const Exemplar> e
   const Surface surface(view, exemplars, options);
   PatchCoordinates result;
   result.report.welded_vertices = surface.mesh.welded_vertices;
+  result.report.twisted_vertices = surface.mesh.twisted_vertices;
   for (const PlacedExemplar& placed : surface.exemplars)
     result.report.texel_sizes.push_back(placed.texel_size);
   const std::vector<FixedPoint> coordinates =

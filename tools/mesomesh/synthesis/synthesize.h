@@ -30,15 +30,15 @@ struct SynthesisOptions {
   double randomness = 1;
   // Corrections of each level (twice as many at the coarsest), and how many similar places of each candidate
   // they try, 0–7.
-  int passes = 3;
+  int passes = 4;
   int similar = 3;
   // Into how many pieces each class of vertices is cut that may be corrected at once, 0: as suits the machine.
   // The outcome depends on it as little as on threads.
   std::size_t ranges = 0;
   bool measure_quality = true;
   // For seam_ratio, of each of the mesh's vertices: 1 near a seam. Empty: vertices of which the mesh has
-  // several at a place (as cuts of an atlas leave), near a singularity of the field, or at a border of
-  // exemplars.
+  // several at a place (as cuts of an atlas leave), whose frame is turned to a neighbor's, or at a border of
+  // exemplars: wherever the mesh or the field has a cut that the texture should not show.
   std::span<const std::uint8_t> on_seam = {};
 };
 
@@ -52,6 +52,9 @@ struct SynthesisReport {
   };
   std::vector<Level> levels;  // from the finest
   std::size_t welded_vertices = 0;
+  // Whose frame turns by more than 30° to a neighbor's, beyond the turns of the field: singularities, where
+  // no texture continues.
+  std::size_t twisted_vertices = 0;
   std::vector<double> texel_sizes;  // of each exemplar, units
   SynthesisQuality quality;         // as it was measured
 };
