@@ -157,7 +157,7 @@ class Finder {
     problems_.attempt([&] {
       if (object.has("deliver")) asset.deliver = object.texts("deliver");
     });
-    problems_.attempt([&] { readLeaveOut(object, asset); });
+    problems_.attempt([&] { readLeaveOut(object, recipe, asset); });
     problems_.attempt([&] {
       object.object("report");
       if (object.has("report")) asset.report = object.value("report");
@@ -177,12 +177,13 @@ class Finder {
     assets_.push_back(std::move(asset));
   }
 
-  static void readLeaveOut(const JsonObject& object, Asset& asset) {
+  void readLeaveOut(const JsonObject& object, const Recipe& recipe, Asset& asset) {
     if (!object.has("leave_out") || !object.value("leave_out").is_object()) {
       asset.keep_all = !object.boolean("leave_out", true);
       return;
     }
     const JsonObject stages = object.object("leave_out");
+    stages.allowKeys(recipe.stageNames(), problems_);
     for (const std::string& stage : stages.keys())
       if (!stages.boolean(stage, true)) asset.kept.insert(stage);
   }

@@ -36,7 +36,7 @@ struct Asset {
   formats::Json stages = formats::Json::object();  // overrides: stage → parameter → value, not checked yet
   std::optional<std::vector<std::string>> deliver = {};  // nothing: all that the recipe delivers
   bool keep_all = false;                                 // nothing is left out by a measured figure
-  std::set<std::string> kept = {};                       // stages of which nothing is; not checked yet
+  std::set<std::string> kept = {};                       // stages of which nothing is, of the recipe
   formats::Json report = formats::Json::object();        // what is varied and shown: see pipeline/sweep.h
   std::map<std::string, std::filesystem::path> report_lights = {};  // of it, by name; all exist
   std::vector<Setting> settings = {};  // of a variant; stronger than everything else

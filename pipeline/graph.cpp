@@ -32,7 +32,7 @@ class AssetStages {
   void add() {
     chooseDeliverables();
     markNeeded();
-    checkNamedStages();
+    checkOverriddenStages();
     for (const std::string& stage : stagesInOrder(recipe_))
       problems_.attempt([&] { addStage(recipe_.stages.at(stage)); });
   }
@@ -85,16 +85,13 @@ class AssetStages {
     });
   }
 
-  void checkNamedStages() {
+  void checkOverriddenStages() {
     const std::vector<std::string> stages = recipe_.stageNames();
-    const auto check = [&](const std::string& section, const std::string& stage) {
+    for (const auto& [stage, ignored] : asset_.stages.items())
       if (recipe_.stages.count(stage) == 0)
-        problems_.add(badInput({asset_.file, "", at(section, stage)},
+        problems_.add(badInput({asset_.file, "", at("stages", stage)},
                                "the recipe " + recipe_.name + " has no stage \"" + stage + "\"",
                                "one of: " + join(stages, ", "), suggestion(stage, stages)));
-    };
-    for (const auto& [stage, ignored] : asset_.stages.items()) check("stages", stage);
-    for (const std::string& stage : asset_.kept) check("leave_out", stage);
   }
 
   void addStage(const RecipeStage& stage) {

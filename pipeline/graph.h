@@ -44,13 +44,13 @@ struct TaskRule {
 struct Task {
   std::size_t asset = 0;  // into Graph::assets
   std::string stage, tool;
-  std::map<std::string, Input> inputs = {};  // by port of the tool; without those of makers that are omitted
+  std::map<std::string, Input> inputs = {};              // by port of the tool
   std::map<std::string, std::string> outputs = {};       // file name by port
   std::map<std::string, std::string> deliverables = {};  // name by output port; only what is asked for
   formats::Json parameters = formats::Json::object();    // all of the tool's, canonical
   std::vector<TaskRule> rules = {};                      // in the recipe's order; the makers are done before
-  std::string left_out = "";  // why it does not run whatever is measured; "" if it may
-  bool published = true;      // else the outputs stay in the cache
+  std::string left_out = "";                             // why it does not run; "" if it may
+  bool published = true;                                 // else the outputs stay in the cache
 };
 
 struct Graph {

@@ -156,7 +156,7 @@ TEST_F(Omit, AnAssetThatKeepsAStageThatIsNotThereIsTold) {
   writeRecipe();
   workshop_.writeAssetFile("cube", {{"mesh", "cube.obj"}, {"leave_out", {{"idmapp", false}}}});
   EXPECT_THAT(workshop_.problems(),
-              ElementsAre(AllOf(HasSubstr("/leave_out/idmapp"), HasSubstr("no stage \"idmapp\""),
+              ElementsAre(AllOf(HasSubstr("/leave_out/idmapp"), HasSubstr("unknown key \"idmapp\""),
                                 HasSubstr("write \"idmap\""))));
 }
 
