@@ -25,20 +25,11 @@
 #include <utility>
 #include <vector>
 
+#include "formats/exr_file.h"
 #include "formats/image_checks.h"
 
 namespace bakelight::formats {
 namespace {
-
-// Blocks of scan lines are (de)compressed on all cores where that pays.
-constexpr std::size_t kManyValues = 1 << 20;
-
-int threadsFor(std::size_t values) {
-  if (values < kManyValues) return 0;
-  const int threads = static_cast<int>(std::thread::hardware_concurrency());
-  if (Imf::globalThreadCount() < threads) Imf::setGlobalThreadCount(threads);
-  return threads;
-}
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
@@ -73,24 +64,14 @@ std::vector<std::string> inOrder(const Imf::ChannelList& channels) {
   return names;
 }
 
-bool isPlain(const Imf::Header& header) {
-  if (header.hasType() && Imf::isDeepData(header.type())) return false;
-  if (header.dataWindow() != header.displayWindow() || header.find("Orientation") != header.end())
-    return false;
-  const Imf::ChannelList& channels = header.channels();
-  for (auto it = channels.begin(); it != channels.end(); ++it)
-    if (it.channel().xSampling != 1 || it.channel().ySampling != 1) return false;
-  return channels.begin() != channels.end();
-}
-
 // Of the first part; nothing if there are more, or if it is not plain.
 template <class Read>
 auto readFirstPart(const std::filesystem::path& path, const Read& read)
     -> decltype(read(std::declval<Imf::MultiPartInputFile&>())) {
   if (!std::filesystem::is_regular_file(path) || !Imf::isOpenExrFile(path.c_str())) return {};
   try {
-    Imf::MultiPartInputFile file(path.c_str(), threadsFor(std::filesystem::file_size(path) / 2));
-    if (file.parts() != 1 || !isPlain(file.header(0))) return {};
+    Imf::MultiPartInputFile file(path.c_str(), exrThreadsFor(std::filesystem::file_size(path) / 2));
+    if (file.parts() != 1 || !isPlainExr(file.header(0))) return {};
     return read(file);
   } catch (const std::bad_alloc&) {
     throw;
@@ -134,23 +115,6 @@ std::optional<std::map<std::string, std::string>> plainExrMetadata(const std::fi
   });
 }
 
-std::unique_ptr<Imf::MultiPartInputFile> openPlainExr(const std::filesystem::path& path, std::size_t values) {
-  const auto fail = [&](const std::string& problem) {
-    return badInput({path.string(), "", ""}, problem, "an OpenEXR file of one flat part");
-  };
-  if (!std::filesystem::is_regular_file(path)) throw fail("there is no such file");
-  if (!Imf::isOpenExrFile(path.c_str())) throw fail("it is no OpenEXR file");
-  try {
-    auto file = std::make_unique<Imf::MultiPartInputFile>(path.c_str(), threadsFor(values));
-    if (file->parts() == 1 && isPlain(file->header(0))) return file;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw unreadableImage(path.string(), error.what());
-  }
-  throw fail("it has several parts, is deep, subsampled, turned, or does not fill its frame");
-}
-
 namespace {
 
 // `T` has the size of a value of `type`; `values` are as in Image.
@@ -169,7 +133,7 @@ Bytes encode(Imf::PixelType type, const T* values, int width, int height,
     frame.insert(names[c], Imf::Slice(type, first + c * sizeof(T), texel, row));
   Imf::StdOSStream stream;
   {
-    Imf::OutputFile file(stream, header, threadsFor(static_cast<std::size_t>(height) * row / sizeof(T)));
+    Imf::OutputFile file(stream, header, exrThreadsFor(static_cast<std::size_t>(height) * row / sizeof(T)));
     file.setFrameBuffer(frame);
     file.writePixels(height);
   }

@@ -1,11 +1,8 @@
 // Ordinary OpenEXR files straight through the OpenEXR library. Private to formats/.
 #pragma once
 
-#include <OpenEXR/ImfForward.h>
-
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 
@@ -29,10 +26,5 @@ Bytes encodedExr(const Image& image, ExrPrecision precision,
 
 // Channels of 32-bit unsigned integers.
 Bytes encodedExr(const IndexImage& image, const std::map<std::string, std::string>& metadata);
-
-// An OpenEXR file of one flat part that fills its frame, and so many threads for so many values. Throws
-// Error(kBadInput) naming the file for any other.
-std::unique_ptr<Imf::MultiPartInputFile> openPlainExr(const std::filesystem::path& path,
-                                                          std::size_t values);
 
 }  // namespace bakelight::formats

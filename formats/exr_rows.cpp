@@ -12,7 +12,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "formats/exr_image.h"
+#include "formats/exr_file.h"
 #include "formats/image_checks.h"
 
 namespace bakelight::formats {

@@ -12,6 +12,7 @@
 #include <memory>
 #include <new>
 
+#include "formats/exr_file.h"
 #include "formats/exr_image.h"
 #include "formats/image_checks.h"
 

@@ -2,7 +2,6 @@
 // ones; cuts; a texture that is dilated.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -13,6 +12,7 @@
 #include "formats/mesh_ply.h"
 #include "tests/support/shell.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/tube.h"
 
 namespace bakelight::tests {
 namespace {
@@ -21,34 +21,6 @@ namespace fs = std::filesystem;
 using formats::Json;
 
 const std::string kBin = BAKELIGHT_BIN_DIR;
-constexpr int kAround = 24, kAlong = 8;
-
-enum class Uv { kNone, kUnrolled, kOverlapping };
-
-// A tube around z as an OBJ; the seam has two texture coordinates a vertex.
-void writeTube(const fs::path& path, Uv uv) {
-  std::ofstream file(path);
-  for (int j = 0; j <= kAlong; ++j)
-    for (int i = 0; i < kAround; ++i) {
-      const double angle = 2 * std::numbers::pi * i / kAround;
-      file << "v " << std::cos(angle) << ' ' << std::sin(angle) << ' ' << 0.5 * j << '\n';
-    }
-  const double wide = uv == Uv::kOverlapping ? 1.9 : 0.95;
-  for (int j = 0; j <= kAlong && uv != Uv::kNone; ++j)
-    for (int i = 0; i <= kAround; ++i)
-      file << "vt " << std::fmod(0.02 + wide * i / kAround, 0.98) << ' ' << 0.02 + 0.9 * j / kAlong << '\n';
-  const auto corner = [&](int i, int j) {
-    file << ' ' << j * kAround + i % kAround + 1;
-    if (uv != Uv::kNone) file << '/' << j * (kAround + 1) + i + 1;
-  };
-  for (int j = 0; j < kAlong; ++j)
-    for (int i = 0; i < kAround; ++i)
-      for (const auto& t : {std::array{0, 0, 1, 0, 1, 1}, std::array{0, 0, 1, 1, 0, 1}}) {
-        file << 'f';
-        for (std::size_t k = 0; k < 3; ++k) corner(i + t[2 * k], j + t[2 * k + 1]);
-        file << '\n';
-      }
-}
 
 class AtlasRecipe : public testing::Test {
  protected:
