@@ -6,6 +6,7 @@ find_package(Threads REQUIRED)
 find_package(Eigen3 REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(draco REQUIRED)
+find_package(fmt REQUIRED)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 
 if(NOT BAKELIGHT_TOOLS)

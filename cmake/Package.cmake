@@ -12,7 +12,7 @@ install(EXPORT bakelight NAMESPACE bakelight:: DESTINATION ${CMAKE_INSTALL_LIBDI
 
 # pack.h, and all that it includes.
 foreach(header pack pack_contents pack_part pack_image fields field_list json encoded_table shared_bytes file triangle_mesh
-               error)
+               words error)
   install(FILES ${CMAKE_SOURCE_DIR}/formats/${header}.h DESTINATION include/bakelight/formats)
 endforeach()
 

@@ -1,10 +1,10 @@
 #include "formats/assimp_orientation.h"
 
 #include <assimp/scene.h>
+#include <fmt/format.h>
 #include <array>
 #include <cmath>
 #include <optional>
-#include <sstream>
 
 namespace bakelight::formats {
 namespace {
@@ -14,9 +14,7 @@ std::string axisName(int axis, int sign) {
 }
 
 std::string numberText(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
+  return fmt::format("{:g}", value);
 }
 
 struct Axis {

@@ -100,22 +100,6 @@ std::size_t bytesPerValue(Precision precision) {
   throw std::logic_error("a precision without a size");
 }
 
-const char* nameOf(Precision precision) {
-  return precisionNames()[static_cast<std::size_t>(precision)].c_str();
-}
-
-const std::vector<std::string>& precisionNames() {
-  static const std::vector<std::string> names = {"float32", "float16", "uint8"};
-  return names;
-}
-
-Precision precisionNamed(const std::string& name) {
-  const auto& names = precisionNames();
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) throw std::invalid_argument("there is no precision called " + name);
-  return static_cast<Precision>(found - names.begin());
-}
-
 std::vector<float> EncodedTable::decode() const {
   std::vector<float> values(rows * columns);
   switch (precision) {

@@ -7,17 +7,18 @@
 #include <vector>
 
 #include "formats/shared_bytes.h"
+#include "formats/words.h"
 
 namespace bakelight::formats {
 
 enum class Precision { kFloat32, kFloat16, kUint8 };
 
 std::size_t bytesPerValue(Precision precision);  // 4, 2, 1
-const char* nameOf(Precision precision);         // "float32", "float16", "uint8"
-// "float32", "float16", "uint8", in this order: choices of a tool's parameter.
-const std::vector<std::string>& precisionNames();
-// Throws std::invalid_argument for another name.
-Precision precisionNamed(const std::string& name);
+inline constexpr Word<Precision> kPrecisions[] = {
+    {"float32", Precision::kFloat32}, {"float16", Precision::kFloat16}, {"uint8", Precision::kUint8}};
+constexpr const char* nameOf(Precision precision) {
+  return wordFor(kPrecisions, precision);
+}
 
 // Row-major, rows × columns. kUint8: value = offset[column] + scale[column] · code; the other two are IEEE
 // 754 numbers and `scale` and `offset` are empty.

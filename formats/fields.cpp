@@ -1,15 +1,12 @@
 #include "formats/fields.h"
 
-#include <array>
-#include <cstdio>
+#include <fmt/format.h>
 
 namespace bakelight::formats {
 namespace {
 
 std::string shortText(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%g", value);
-  return text.data();
+  return fmt::format("{:g}", value);
 }
 
 }  // namespace

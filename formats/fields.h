@@ -8,12 +8,12 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "formats/encoded_table.h"
 #include "formats/pack_image.h"
 #include "formats/triangle_mesh.h"
+#include "formats/words.h"
 
 namespace bakelight::formats {
 
@@ -42,7 +42,7 @@ class FieldVisitor {
   virtual void vector(const char* name, Float3& value, const Range& range) = 0;  // of each component
   // What is always the same, told so that other readers need not guess.
   virtual void constant(const char* name, const char* text) = 0;
-  // An index into `names`.
+  // An index into `names`; beyond them for a value that has none.
   virtual void choice(const char* name, int& value, std::span<const char* const> names) = 0;
 
   // rows × columns; any number of rows with Rows::kOther.
@@ -65,13 +65,16 @@ class FieldVisitor {
                        const std::string& remedy) = 0;
 };
 
-// An enumeration whose enumerators count the names.
-template <class Enumeration>
-void choose(FieldVisitor& fields, const char* name, Enumeration& value, std::span<const char* const> names) {
-  static_assert(std::is_enum_v<Enumeration>);
-  int index = static_cast<int>(value);
+template <class Value, std::size_t N>
+void choose(FieldVisitor& fields, const char* name, Value& value, const Word<Value> (&words)[N]) {
+  const char* names[N];
+  int index = static_cast<int>(N);  // what has no word is for the visitor to refuse
+  for (std::size_t i = 0; i < N; ++i) {
+    names[i] = words[i].text;
+    if (words[i].value == value) index = static_cast<int>(i);
+  }
   fields.choice(name, index, names);
-  value = static_cast<Enumeration>(index);
+  if (index >= 0 && index < static_cast<int>(N)) value = words[index].value;
 }
 
 // A group that may be missing; `describe` tells its fields.

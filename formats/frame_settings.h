@@ -3,17 +3,17 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "formats/json.h"
+#include "formats/words.h"
 
 namespace bakelight::formats {
 
 enum class Background { kEnvironment, kBlack, kTransparent };
 
-// "environment", "black", "transparent"; one of them turned into its value.
-const std::vector<std::string>& backgroundNames();
-Background backgroundNamed(const std::string& name);
+inline constexpr Word<Background> kBackgrounds[] = {{"environment", Background::kEnvironment},
+                                                    {"black", Background::kBlack},
+                                                    {"transparent", Background::kTransparent}};
 
 struct FrameSettings {
   int width_px = 1280, height_px = 960;

@@ -60,7 +60,7 @@ std::size_t componentSize(std::uint64_t component_type) {
   }
 }
 
-std::uint64_t componentTypeAt(const GltfValue& value) {
+std::uint64_t componentTypeAt(const JsonReader& value) {
   const std::uint64_t type = value.whole();
   if (componentSize(type) == 0) {
     throw value.error(std::to_string(type) + " is no component type", "5120 to 5123, 5125 or 5126");
@@ -81,11 +81,11 @@ struct Elements {
 };
 
 // `owner` has the bufferView, byteOffset and is blamed; a `packed` one has no stride.
-Elements elementsOf(GltfDocument& document, const GltfValue& owner, std::uint64_t count,
-                    std::size_t components, std::uint64_t component_type, const GltfValue& count_place,
+Elements elementsOf(GltfDocument& document, const JsonReader& owner, std::uint64_t count,
+                    std::size_t components, std::uint64_t component_type, const JsonReader& count_place,
                     bool packed) {
   const GltfView view = document.view(owner.at("bufferView"));
-  const std::uint64_t offset = wholeOr(owner, "byteOffset", 0);
+  const std::uint64_t offset = owner.whole("byteOffset", 0);
   const std::size_t size = components * componentSize(component_type);
   const std::size_t stride = packed || view.stride == 0 ? size : view.stride;
   if (stride < size) {
@@ -151,7 +151,7 @@ std::vector<std::uint32_t> readWhole(const Elements& elements, std::uint64_t com
   return result;
 }
 
-std::uint64_t unsignedTypeAt(const GltfValue& value) {
+std::uint64_t unsignedTypeAt(const JsonReader& value) {
   const std::uint64_t type = componentTypeAt(value);
   if (type != kUint8 && type != kUint16 && type != kUint32) {
     throw value.error("indices of component type " + std::to_string(type), "5121, 5123 or 5125");
@@ -159,7 +159,7 @@ std::uint64_t unsignedTypeAt(const GltfValue& value) {
   return type;
 }
 
-std::size_t typeAt(const GltfValue& value, std::initializer_list<GltfType> types) {
+std::size_t typeAt(const JsonReader& value, std::initializer_list<GltfType> types) {
   std::string expected;
   for (const auto& [type, name] : kTypes) {
     if (std::find(types.begin(), types.end(), type) == types.end()) continue;
@@ -170,9 +170,9 @@ std::size_t typeAt(const GltfValue& value, std::initializer_list<GltfType> types
 }
 
 // Values that replace some of the elements (glTF 2.0, 3.6.2.3).
-void applySparse(GltfDocument& document, const GltfValue& sparse, std::uint64_t component_type,
+void applySparse(GltfDocument& document, const JsonReader& sparse, std::uint64_t component_type,
                  bool normalized, GltfNumbers& numbers) {
-  const GltfValue count = sparse.at("count"), indices = sparse.at("indices");
+  const JsonReader count = sparse.at("count"), indices = sparse.at("indices");
   const std::uint64_t index_type = unsignedTypeAt(indices.at("componentType"));
   const auto places =
       readWhole(elementsOf(document, indices, count.whole(), 1, index_type, count, true), index_type);
@@ -192,16 +192,16 @@ void applySparse(GltfDocument& document, const GltfValue& sparse, std::uint64_t 
 
 }  // namespace
 
-std::size_t accessorCount(GltfDocument& document, const GltfValue& reference) {
+std::size_t accessorCount(GltfDocument& document, const JsonReader& reference) {
   return static_cast<std::size_t>(document.referred(reference, "accessors").at("count").whole());
 }
 
-GltfNumbers readNumbers(GltfDocument& document, const GltfValue& reference,
+GltfNumbers readNumbers(GltfDocument& document, const JsonReader& reference,
                         std::initializer_list<GltfType> types, std::optional<std::size_t> expected_count) {
-  const GltfValue accessor = document.referred(reference, "accessors");
-  const GltfValue count = accessor.at("count");
+  const JsonReader accessor = document.referred(reference, "accessors");
+  const JsonReader count = accessor.at("count");
   const std::uint64_t component_type = componentTypeAt(accessor.at("componentType"));
-  const bool normalized = truthOr(accessor, "normalized", false);
+  const bool normalized = accessor.boolean("normalized", false);
   GltfNumbers numbers;
   numbers.components = typeAt(accessor.at("type"), types);
   if (!normalized && component_type != kFloat) numbers.code_range = largestOf(component_type);
@@ -227,12 +227,12 @@ GltfNumbers readNumbers(GltfDocument& document, const GltfValue& reference,
   return numbers;
 }
 
-std::vector<std::uint32_t> readIndices(GltfDocument& document, const GltfValue& reference, std::size_t limit,
+std::vector<std::uint32_t> readIndices(GltfDocument& document, const JsonReader& reference, std::size_t limit,
                                        const char* what) {
-  const GltfValue accessor = document.referred(reference, "accessors");
+  const JsonReader accessor = document.referred(reference, "accessors");
   typeAt(accessor.at("type"), {GltfType::kScalar});
   const std::uint64_t type = unsignedTypeAt(accessor.at("componentType"));
-  const GltfValue count = accessor.at("count");
+  const JsonReader count = accessor.at("count");
   std::vector<std::uint32_t> indices;
   if (!accessor.find("bufferView") || accessor.find("sparse")) {  // rare: by the general way
     const GltfNumbers numbers = readNumbers(document, reference, {GltfType::kScalar});

@@ -13,6 +13,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kCutRemedy = "copy or export the file again, it was probably cut short";
+constexpr const char* kExportAgain = "export the file again";
 
 std::uint32_t uint32At(std::span<const std::byte> bytes, std::size_t offset) {
   static_assert(std::endian::native == std::endian::little);
@@ -69,7 +70,7 @@ bool isKnownExtension(const std::string& name) {
 
 GltfDocument::GltfDocument(const fs::path& path, std::span<const std::byte> bytes,
                            std::vector<std::string>& notes)
-    : file_(std::make_shared<const std::string>(path.string())), folder_(path.parent_path()) {
+    : file_(path.string()), folder_(path.parent_path()) {
   if (textOf(bytes).starts_with("glTF")) {
     openBinary(bytes, notes);
   } else {
@@ -86,9 +87,9 @@ GltfDocument::~GltfDocument() = default;
 
 void GltfDocument::openText(std::string_view text) {
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
-    throw badInput({*file_, "", ""}, "the file is empty", "glTF 2.0, text or binary", "export it again");
+    throw badInput({file_, "", ""}, "the file is empty", "glTF 2.0, text or binary", "export it again");
   }
-  json_ = std::make_unique<Json>(parseJson(text, *file_));
+  json_ = std::make_unique<Json>(parseJson(text, file_));
 }
 
 // glTF 2.0, 4.4: a header of 12 bytes; chunks of length, type and content; JSON, then perhaps BIN, then
@@ -98,7 +99,7 @@ void GltfDocument::openBinary(std::span<const std::byte> bytes, std::vector<std:
   constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
   const auto error = [&](const std::string& element, const std::string& what, const std::string& expected,
                          const std::string& remedy) {
-    return badInput({*file_, element, ""}, what, expected, remedy);
+    return badInput({file_, element, ""}, what, expected, remedy);
   };
   if (bytes.size() < kHeader + kChunkHeader) throw error("header", "the file ends inside it", "", kCutRemedy);
   if (const std::uint32_t version = uint32At(bytes, 4); version != 2) {
@@ -124,15 +125,14 @@ void GltfDocument::openBinary(std::span<const std::byte> bytes, std::vector<std:
     const std::string element = "chunk " + std::to_string(chunk);
     if (size > bytes.size() - offset) {
       throw error(element, "its " + std::to_string(size) + " bytes end beyond the file",
-                  "chunks within the length of the header", "export the file again");
+                  "chunks within the length of the header", kExportAgain);
     }
     const auto content = bytes.subspan(offset, size);
     if (chunk == 0) {
-      if (type != kJsonChunk)
-        throw error(element, "it is no JSON", "a JSON chunk first", "export the file again");
+      if (type != kJsonChunk) throw error(element, "it is no JSON", "a JSON chunk first", kExportAgain);
       std::string_view text = textOf(content);
       while (text.ends_with('\0')) text.remove_suffix(1);  // padding of careless writers
-      json_ = std::make_unique<Json>(parseJson(text, *file_));
+      json_ = std::make_unique<Json>(parseJson(text, file_));
     } else if (chunk == 1 && type == kBinaryChunk) {
       binary_ = content;
     }
@@ -165,15 +165,15 @@ void GltfDocument::checkVersion() const {
 void GltfDocument::checkExtensions() const {
   const auto required = root().find("extensionsRequired");
   for (std::size_t i = 0; required && i < required->size(); ++i) {
-    const GltfValue name = required->at(i);
+    const JsonReader name = required->at(i);
     if (isKnownExtension(name.text())) continue;
     throw name.error("the file requires the extension " + name.text() + ", which is not read here", "",
                      "export it without this extension");
   }
 }
 
-GltfValue GltfDocument::root() const {
-  return {*json_, "", file_};
+JsonReader GltfDocument::root() const {
+  return {*json_, file_, "", kExportAgain};
 }
 
 std::size_t GltfDocument::count(const char* section) const {
@@ -181,11 +181,11 @@ std::size_t GltfDocument::count(const char* section) const {
   return list ? list->size() : 0;
 }
 
-GltfValue GltfDocument::item(const char* section, std::size_t index) const {
+JsonReader GltfDocument::item(const char* section, std::size_t index) const {
   return root().at(section).at(index);
 }
 
-std::size_t GltfDocument::indexAt(const GltfValue& reference, const char* section) const {
+std::size_t GltfDocument::indexAt(const JsonReader& reference, const char* section) const {
   const std::uint64_t index = reference.whole();
   const std::size_t there = count(section);
   if (index < there) return static_cast<std::size_t>(index);
@@ -194,7 +194,7 @@ std::size_t GltfDocument::indexAt(const GltfValue& reference, const char* sectio
       there == 0 ? "a list \"" + std::string(section) + "\"" : "0 to " + std::to_string(there - 1));
 }
 
-GltfValue GltfDocument::referred(const GltfValue& reference, const char* section) const {
+JsonReader GltfDocument::referred(const JsonReader& reference, const char* section) const {
   return item(section, indexAt(reference, section));
 }
 
@@ -206,7 +206,7 @@ std::optional<fs::path> fileOfUri(const std::string& uri, const fs::path& folder
   return std::nullopt;
 }
 
-fs::path existingFile(const GltfValue& uri, const fs::path& folder) {
+fs::path existingFile(const JsonReader& uri, const fs::path& folder) {
   const auto paths = pathsOfUri(uri.text());
   if (paths.empty()) {
     throw uri.error("'" + uri.text() + "' is not the name of a file", "a path, relative to the glTF file",
@@ -217,7 +217,12 @@ fs::path existingFile(const GltfValue& uri, const fs::path& folder) {
                   "a file that the glTF file names", "put it there, or export as one .glb file");
 }
 
-Bytes GltfDocument::bytesOfUri(const GltfValue& uri) const {
+std::optional<JsonReader> extensionOf(const JsonReader& object, std::string_view name) {
+  const auto extensions = object.find("extensions");
+  return extensions ? extensions->find(name) : std::nullopt;
+}
+
+Bytes GltfDocument::bytesOfUri(const JsonReader& uri) const {
   if (!isDataUri(uri.text())) return readFile(existingFile(uri, folder_));
   DataUri data = readDataUri(uri.text());
   if (!data.fault.empty()) throw uri.error(data.fault, "a data URI as of RFC 2397");
@@ -225,7 +230,7 @@ Bytes GltfDocument::bytesOfUri(const GltfValue& uri) const {
 }
 
 void GltfDocument::loadBuffer(std::size_t index) {
-  const GltfValue buffer = item("buffers", index);
+  const JsonReader buffer = item("buffers", index);
   Buffer loaded;
   if (const auto uri = buffer.find("uri")) {
     loaded.own = bytesOfUri(*uri);
@@ -236,7 +241,7 @@ void GltfDocument::loadBuffer(std::size_t index) {
     throw buffer.error("it has no \"uri\"" + std::string(index == 0 ? ", and the file has no BIN chunk" : ""),
                        "a \"uri\", or bytes in a binary glTF file");
   }
-  const GltfValue length = buffer.at("byteLength");
+  const JsonReader length = buffer.at("byteLength");
   if (length.whole() > loaded.bytes.size()) {
     throw length.error("the buffer has " + std::to_string(loaded.bytes.size()) + " bytes, not " +
                            std::to_string(length.whole()),
@@ -246,8 +251,8 @@ void GltfDocument::loadBuffer(std::size_t index) {
   buffers_[index] = std::move(loaded);
 }
 
-std::span<const std::byte> GltfDocument::bufferBytes(const GltfValue& reference, std::uint64_t offset,
-                                                     std::uint64_t length, const GltfValue& place) {
+std::span<const std::byte> GltfDocument::bufferBytes(const JsonReader& reference, std::uint64_t offset,
+                                                     std::uint64_t length, const JsonReader& place) {
   const std::size_t index = indexAt(reference, "buffers");
   if (!buffers_[index]) loadBuffer(index);
   const auto bytes = buffers_[index]->bytes;
@@ -259,9 +264,9 @@ std::span<const std::byte> GltfDocument::bufferBytes(const GltfValue& reference,
   return bytes.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
 }
 
-GltfView GltfDocument::view(const GltfValue& reference) {
+GltfView GltfDocument::view(const JsonReader& reference) {
   const std::size_t index = indexAt(reference, "bufferViews");
-  const GltfValue view = item("bufferViews", index);
+  const JsonReader view = item("bufferViews", index);
   GltfView result;
   if (const auto stride = view.find("byteStride")) {
     result.stride = static_cast<std::size_t>(stride->whole());
@@ -274,8 +279,8 @@ GltfView GltfDocument::view(const GltfValue& reference) {
     result.bytes = *unpacked_views_[index];
     return result;
   }
-  const GltfValue length = view.at("byteLength");
-  result.bytes = bufferBytes(view.at("buffer"), wholeOr(view, "byteOffset", 0), length.whole(), length);
+  const JsonReader length = view.at("byteLength");
+  result.bytes = bufferBytes(view.at("buffer"), view.whole("byteOffset", 0), length.whole(), length);
   return result;
 }
 

@@ -72,7 +72,7 @@ struct GltfDraco::Decoded {
   std::unique_ptr<draco::Mesh> mesh;
 };
 
-GltfDraco::GltfDraco(GltfDocument& document, const GltfValue& extension)
+GltfDraco::GltfDraco(GltfDocument& document, const JsonReader& extension)
     : extension_(extension), decoded_(std::make_unique<Decoded>()) {
   const auto bytes = document.view(extension.at("bufferView")).bytes;
   const auto undecodable = [&](const std::string& why) {
@@ -112,7 +112,7 @@ std::vector<Triangle> GltfDraco::triangles() const {
   return result;
 }
 
-std::optional<GltfNumbers> GltfDraco::numbers(const std::string& name, const GltfValue& accessor,
+std::optional<GltfNumbers> GltfDraco::numbers(const std::string& name, const JsonReader& accessor,
                                               std::initializer_list<GltfType> types) const {
   const auto id = extension_.at("attributes").find(name);
   if (!id) return std::nullopt;
@@ -128,7 +128,7 @@ std::optional<GltfNumbers> GltfDraco::numbers(const std::string& name, const Glt
   const bool fits = std::any_of(types.begin(), types.end(), [&](GltfType type) {
     return static_cast<std::size_t>(type) == numbers.components;
   });
-  const bool normalized = attribute->normalized() || truthOr(accessor, "normalized", false);
+  const bool normalized = attribute->normalized() || accessor.boolean("normalized", false);
   if (!fits || !readAttribute(*attribute, vertexCount(), normalized, numbers)) {
     throw id->error("Draco's attribute " + std::to_string(id->whole()) + " has " +
                         std::to_string(numbers.components) + " components of type " +

@@ -14,7 +14,7 @@ class GltfDraco {
  public:
   // `extension`: the object of that name in a primitive. Throws Error(kBadInput) at its pointer if Draco
   // cannot decode what it refers to.
-  GltfDraco(GltfDocument& document, const GltfValue& extension);
+  GltfDraco(GltfDocument& document, const JsonReader& extension);
   ~GltfDraco();
 
   std::size_t vertexCount() const;
@@ -22,12 +22,12 @@ class GltfDraco {
 
   // The attribute of that name ("POSITION"), if it is compressed; `accessor` says whether integers are
   // normalised. Throws if it has not as many components as one of `types`.
-  std::optional<GltfNumbers> numbers(const std::string& name, const GltfValue& accessor,
+  std::optional<GltfNumbers> numbers(const std::string& name, const JsonReader& accessor,
                                      std::initializer_list<GltfType> types) const;
 
  private:
   struct Decoded;
-  GltfValue extension_;
+  JsonReader extension_;
   std::unique_ptr<Decoded> decoded_;
 };
 

@@ -11,12 +11,12 @@
 namespace bakelight::formats {
 namespace {
 
-GltfLookup lookupAt(const GltfValue& texture_info) {
+GltfLookup lookupAt(const JsonReader& texture_info) {
   GltfLookup lookup;
-  lookup.set = wholeOr(texture_info, "texCoord", 0);
-  const auto moved = texture_info.extension("KHR_texture_transform");
+  lookup.set = texture_info.whole("texCoord", 0);
+  const auto moved = extensionOf(texture_info, "KHR_texture_transform");
   if (!moved) return lookup;
-  lookup.set = wholeOr(*moved, "texCoord", lookup.set);
+  lookup.set = moved->whole("texCoord", lookup.set);
   const auto offset = moved->find("offset"), scale = moved->find("scale"), rotation = moved->find("rotation");
   const auto t = offset ? offset->numbers(2) : std::vector<double>{0, 0};
   const auto s = scale ? scale->numbers(2) : std::vector<double>{1, 1};
@@ -27,7 +27,7 @@ GltfLookup lookupAt(const GltfValue& texture_info) {
   return lookup;
 }
 
-AlbedoTexture::Wrap wrapAt(const GltfValue& sampler, const char* key) {
+AlbedoTexture::Wrap wrapAt(const JsonReader& sampler, const char* key) {
   const auto value = sampler.find(key);
   switch (value ? value->whole() : 10497) {
     case 10497:
@@ -50,10 +50,10 @@ bool isKtx2(const AlbedoTexture& picture, const std::string& media_type) {
   return media_type == "image/ktx2" || ending == ".ktx2" || start == kMagic;
 }
 
-bool isSeeThrough(const GltfValue& material) {
-  const auto transmission = material.extension("KHR_materials_transmission");
+bool isSeeThrough(const JsonReader& material) {
+  const auto transmission = extensionOf(material, "KHR_materials_transmission");
   const auto factor = transmission ? transmission->find("transmissionFactor") : std::nullopt;
-  return textOr(material, "alphaMode", "OPAQUE") != "OPAQUE" || (factor && factor->number() > 0);
+  return material.text("alphaMode", "OPAQUE") != "OPAQUE" || (factor && factor->number() > 0);
 }
 
 }  // namespace
@@ -61,7 +61,7 @@ bool isSeeThrough(const GltfValue& material) {
 GltfMaterials::GltfMaterials(GltfDocument& document)
     : document_(document), read_(document.count("materials")), materials_(read_.size()) {
   for (std::size_t i = 0; i < materials_.size(); ++i) {
-    materials_[i].name = textOr(document.item("materials", i), "name", "");
+    materials_[i].name = document.item("materials", i).text("name", "");
     if (materials_[i].name.empty()) materials_[i].name = "material_" + std::to_string(i);
   }
 }
@@ -76,8 +76,9 @@ const std::optional<GltfLookup>& GltfMaterials::use(std::size_t index) {
 
 // Metals have their albedo in the same places; a material of the older model (specular, glossiness) has it in
 // others, which go before, as the rest is a fallback then.
-void GltfMaterials::read(const GltfValue& material, PartMaterial& result, std::optional<GltfLookup>& lookup) {
-  const auto older = material.extension("KHR_materials_pbrSpecularGlossiness");
+void GltfMaterials::read(const JsonReader& material, PartMaterial& result,
+                         std::optional<GltfLookup>& lookup) {
+  const auto older = extensionOf(material, "KHR_materials_pbrSpecularGlossiness");
   const auto model = older ? older : material.find("pbrMetallicRoughness");
   if (isSeeThrough(material)) see_through_.push_back(result.name);
   if (!model) return;
@@ -92,10 +93,10 @@ void GltfMaterials::read(const GltfValue& material, PartMaterial& result, std::o
   }
 }
 
-int GltfMaterials::textureAt(const GltfValue& reference, const PartMaterial& material) {
-  const GltfValue texture = document_.referred(reference, "textures");
+int GltfMaterials::textureAt(const JsonReader& reference, const PartMaterial& material) {
+  const JsonReader texture = document_.referred(reference, "textures");
   std::size_t index = 0;
-  const GltfValue image = imageOf(texture, index);
+  const JsonReader image = imageOf(texture, index);
   std::optional<AlbedoTexture> picture = pictureAt(image, index);
   if (!picture) {
     notes_.push_back(missingPicture(document_.file() + ", " + image.pointer(), image.at("uri").text(),
@@ -103,7 +104,7 @@ int GltfMaterials::textureAt(const GltfValue& reference, const PartMaterial& mat
     return -1;
   }
   if (const auto sampler = texture.find("sampler")) {
-    const GltfValue values = document_.referred(*sampler, "samplers");
+    const JsonReader values = document_.referred(*sampler, "samplers");
     picture->wrap_u = wrapAt(values, "wrapS");
     picture->wrap_v = wrapAt(values, "wrapT");
   }
@@ -113,11 +114,11 @@ int GltfMaterials::textureAt(const GltfValue& reference, const PartMaterial& mat
   return place->second;
 }
 
-GltfValue GltfMaterials::imageOf(const GltfValue& texture, std::size_t& image_index) {
-  std::optional<GltfValue> source = texture.find("source");
+JsonReader GltfMaterials::imageOf(const JsonReader& texture, std::size_t& image_index) {
+  std::optional<JsonReader> source = texture.find("source");
   for (const char* name :
        {"EXT_texture_webp", "MSFT_texture_dds", "EXT_texture_avif", "KHR_texture_basisu"}) {
-    const auto extension = texture.extension(name);
+    const auto extension = extensionOf(texture, name);
     if (!source && extension) source = extension->at("source");
   }
   if (!source) throw texture.error("the texture has no \"source\"", "the index of an image");
@@ -125,11 +126,11 @@ GltfValue GltfMaterials::imageOf(const GltfValue& texture, std::size_t& image_in
   return document_.item("images", image_index);
 }
 
-std::optional<AlbedoTexture> GltfMaterials::pictureAt(const GltfValue& image, std::size_t index) const {
+std::optional<AlbedoTexture> GltfMaterials::pictureAt(const JsonReader& image, std::size_t index) const {
   AlbedoTexture picture;
   picture.as_stored = true;
-  std::string media_type = textOr(image, "mimeType", "");
-  const std::string own_name = textOr(image, "name", "");
+  std::string media_type = image.text("mimeType", "");
+  const std::string own_name = image.text("name", "");
   picture.name =
       document_.file() + ", image " + std::to_string(index) + (own_name.empty() ? "" : " (" + own_name + ")");
   if (const auto uri = image.find("uri"); uri && isDataUri(uri->text())) {

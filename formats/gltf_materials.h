@@ -41,11 +41,11 @@ class GltfMaterials {
     std::optional<GltfLookup> lookup;
   };
 
-  void read(const GltfValue& material, PartMaterial& result, std::optional<GltfLookup>& lookup);
+  void read(const JsonReader& material, PartMaterial& result, std::optional<GltfLookup>& lookup);
   // −1, and noted, if its picture is not there.
-  int textureAt(const GltfValue& reference, const PartMaterial& material);
-  GltfValue imageOf(const GltfValue& texture, std::size_t& image_index);
-  std::optional<AlbedoTexture> pictureAt(const GltfValue& image, std::size_t index) const;
+  int textureAt(const JsonReader& reference, const PartMaterial& material);
+  JsonReader imageOf(const JsonReader& texture, std::size_t& image_index);
+  std::optional<AlbedoTexture> pictureAt(const JsonReader& image, std::size_t index) const;
 
   GltfDocument& document_;
   std::vector<Material> read_;

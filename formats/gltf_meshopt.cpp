@@ -18,8 +18,8 @@ std::uint64_t leastBytes(const Layout& layout, const std::string& mode) {
   return mode == "TRIANGLES" ? layout.count / 3 : layout.count;
 }
 
-Layout readLayout(const GltfValue& packed, const std::string& mode, std::size_t packed_size) {
-  const GltfValue count = packed.at("count"), stride = packed.at("byteStride");
+Layout readLayout(const JsonReader& packed, const std::string& mode, std::size_t packed_size) {
+  const JsonReader count = packed.at("count"), stride = packed.at("byteStride");
   const bool vertices = mode == "ATTRIBUTES";
   const std::uint64_t step = stride.whole();
   if (vertices ? step == 0 || step > 256 || step % 4 != 0 : step != 2 && step != 4) {
@@ -39,8 +39,8 @@ Layout readLayout(const GltfValue& packed, const std::string& mode, std::size_t 
   return {static_cast<std::size_t>(count.whole()), static_cast<std::size_t>(step)};
 }
 
-void applyFilter(const GltfValue& packed, const Layout& layout, Bytes& bytes) {
-  const std::string filter = textOr(packed, "filter", "NONE");
+void applyFilter(const JsonReader& packed, const Layout& layout, Bytes& bytes) {
+  const std::string filter = packed.text("filter", "NONE");
   const auto check = [&](bool fits, const char* expected) {
     if (!fits) throw packed.at("byteStride").error("it does not fit the filter " + filter, expected);
   };
@@ -72,15 +72,15 @@ int decode(const std::string& mode, const Layout& layout, std::span<const std::b
 
 }  // namespace
 
-std::optional<Bytes> meshoptDecoded(const GltfValue& view, GltfDocument& document) {
-  const auto packed = view.extension("EXT_meshopt_compression");
+std::optional<Bytes> meshoptDecoded(const JsonReader& view, GltfDocument& document) {
+  const auto packed = extensionOf(view, "EXT_meshopt_compression");
   if (!packed) return std::nullopt;
-  const GltfValue mode = packed->at("mode"), length = packed->at("byteLength");
+  const JsonReader mode = packed->at("mode"), length = packed->at("byteLength");
   if (mode.text() != "ATTRIBUTES" && mode.text() != "TRIANGLES" && mode.text() != "INDICES") {
     throw mode.error("'" + mode.text() + "' is no mode", "ATTRIBUTES, TRIANGLES or INDICES");
   }
   const auto source =
-      document.bufferBytes(packed->at("buffer"), wholeOr(*packed, "byteOffset", 0), length.whole(), length);
+      document.bufferBytes(packed->at("buffer"), packed->whole("byteOffset", 0), length.whole(), length);
   const Layout layout = readLayout(*packed, mode.text(), source.size());
   Bytes bytes(layout.count * layout.stride);
   if (const int status = decode(mode.text(), layout, source, bytes); status != 0) {
@@ -88,7 +88,7 @@ std::optional<Bytes> meshoptDecoded(const GltfValue& view, GltfDocument& documen
                         "bytes that EXT_meshopt_compression describes");
   }
   if (mode.text() == "ATTRIBUTES") applyFilter(*packed, layout, bytes);
-  if (const GltfValue whole = view.at("byteLength"); whole.whole() != bytes.size()) {
+  if (const JsonReader whole = view.at("byteLength"); whole.whole() != bytes.size()) {
     throw whole.error("the compressed view holds " + std::to_string(bytes.size()) + " bytes, not " +
                           std::to_string(whole.whole()),
                       "count times byteStride of the compression");

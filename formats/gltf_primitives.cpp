@@ -26,7 +26,7 @@ std::vector<Double3> toDouble3(const GltfNumbers& numbers) {
 class PrimitiveReader {
  public:
   PrimitiveReader(GltfDocument& document, GltfMaterials& materials, GltfCounts& counts,
-                  const GltfValue& primitive, const std::vector<double>& morph_weights)
+                  const JsonReader& primitive, const std::vector<double>& morph_weights)
       : document_(document),
         materials_(materials),
         counts_(counts),
@@ -36,7 +36,7 @@ class PrimitiveReader {
 
   // Nothing for points and lines.
   std::optional<GltfPrimitive> read() {
-    const std::uint64_t mode = wholeOr(primitive_, "mode", kTriangles);
+    const std::uint64_t mode = primitive_.whole("mode", kTriangles);
     if (mode > kFan) throw primitive_.at("mode").error(std::to_string(mode) + " is no mode", "0 to 6");
     if (mode < kTriangles) {
       ++counts_.points_and_lines;
@@ -44,7 +44,7 @@ class PrimitiveReader {
     }
     if (!attributes_.find("POSITION")) return std::nullopt;  // legal: extensions may supply the vertices
     checkTargets();
-    if (const auto packed = primitive_.extension("KHR_draco_mesh_compression")) {
+    if (const auto packed = extensionOf(primitive_, "KHR_draco_mesh_compression")) {
       draco_ = std::make_unique<GltfDraco>(document_, *packed);
       vertex_count_ = draco_->vertexCount();
     } else {
@@ -72,7 +72,7 @@ class PrimitiveReader {
 
   // With its morph targets added.
   GltfNumbers attribute(const std::string& name, std::initializer_list<GltfType> types) {
-    const GltfValue reference = attributes_.at(name);
+    const JsonReader reference = attributes_.at(name);
     std::optional<GltfNumbers> compressed;
     if (draco_ != nullptr) {
       compressed = draco_->numbers(name, document_.referred(reference, "accessors"), types);
@@ -87,7 +87,7 @@ class PrimitiveReader {
     return numbers;
   }
 
-  void addTarget(const GltfValue& target, std::initializer_list<GltfType> types, double weight,
+  void addTarget(const JsonReader& target, std::initializer_list<GltfType> types, double weight,
                  GltfNumbers& numbers) {
     const GltfNumbers moved = readNumbers(document_, target, types, vertex_count_);
     for (std::size_t i = 0; i < vertex_count_; ++i) {
@@ -220,7 +220,7 @@ class PrimitiveReader {
   GltfDocument& document_;
   GltfMaterials& materials_;
   GltfCounts& counts_;
-  GltfValue primitive_, attributes_;
+  JsonReader primitive_, attributes_;
   const std::vector<double>& morph_weights_;
   std::unique_ptr<GltfDraco> draco_;
   std::size_t vertex_count_ = 0;
@@ -264,7 +264,7 @@ void dropUnusedVertices(GltfPrimitive& primitive) {
 }
 
 // How many primitives of the mesh have the same positions as another one.
-bool sharesVertices(const GltfValue& primitives) {
+bool sharesVertices(const JsonReader& primitives) {
   std::vector<std::uint64_t> positions;
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     const auto attributes = primitives.at(i).find("attributes");
@@ -275,7 +275,7 @@ bool sharesVertices(const GltfValue& primitives) {
   return std::adjacent_find(positions.begin(), positions.end()) != positions.end();
 }
 
-std::vector<double> weightsAt(const GltfValue& object) {
+std::vector<double> weightsAt(const JsonReader& object) {
   const auto weights = object.find("weights");
   return weights ? weights->numbers(weights->size()) : std::vector<double>{};
 }
@@ -289,13 +289,13 @@ GltfMeshes::GltfMeshes(GltfDocument& document, GltfMaterials& materials)
   }
 }
 
-std::shared_ptr<const GltfMeshes::Primitives> GltfMeshes::get(std::size_t index, const GltfValue& node) {
-  const GltfValue mesh = document_.item("meshes", index);
+std::shared_ptr<const GltfMeshes::Primitives> GltfMeshes::get(std::size_t index, const JsonReader& node) {
+  const JsonReader mesh = document_.item("meshes", index);
   std::vector<double> weights = weightsAt(node);
   if (weights.empty()) weights = weightsAt(mesh);
   const auto key = std::pair(index, weights);
   if (const auto kept = kept_.find(key); kept != kept_.end()) return kept->second;
-  const GltfValue list = mesh.at("primitives");
+  const JsonReader list = mesh.at("primitives");
   const bool shared = sharesVertices(list);
   auto result = std::make_shared<Primitives>();
   for (std::size_t i = 0; i < list.size(); ++i) {

@@ -38,7 +38,7 @@ class GltfMeshes {
   using Primitives = std::vector<GltfPrimitive>;
   // Those of the mesh `index` that have triangles, with the morph weights of `node`, else of the mesh. Kept
   // for other nodes that ask for the same.
-  std::shared_ptr<const Primitives> get(std::size_t index, const GltfValue& node);
+  std::shared_ptr<const Primitives> get(std::size_t index, const JsonReader& node);
 
   const GltfCounts& counts() const { return counts_; }
 

@@ -10,7 +10,7 @@
 namespace bakelight::formats {
 namespace {
 
-Double3 triple(const GltfValue& list) {
+Double3 triple(const JsonReader& list) {
   const auto values = list.numbers(3);
   return {values[0], values[1], values[2]};
 }
@@ -36,7 +36,7 @@ bool hasDirection(const std::array<double, 4>& q) {
   return square > 0 && std::isfinite(square);
 }
 
-Transform localTransform(const GltfValue& node) {
+Transform localTransform(const JsonReader& node) {
   if (const auto matrix = node.find("matrix")) {
     const auto values = matrix->numbers(16);
     if (!isAffine(values.data())) throw matrix->error("its last row is not 0 0 0 1", "an affine transform");
@@ -54,9 +54,9 @@ Transform localTransform(const GltfValue& node) {
   return transformOf(translation, rotation, scale);
 }
 
-bool isHidden(const GltfValue& node) {
-  const auto visibility = node.extension("KHR_node_visibility");
-  return visibility && !truthOr(*visibility, "visible", true);
+bool isHidden(const JsonReader& node) {
+  const auto visibility = extensionOf(node, "KHR_node_visibility");
+  return visibility && !visibility->boolean("visible", true);
 }
 
 }  // namespace
@@ -72,11 +72,11 @@ void GltfScene::readNodes() {
   children_.resize(count);
   has_parent_.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const GltfValue node = document_.item("nodes", i);
+    const JsonReader node = document_.item("nodes", i);
     world_from_node_.push_back(localTransform(node));
     const auto children = node.find("children");
     for (std::size_t k = 0; children && k < children->size(); ++k) {
-      const GltfValue reference = children->at(k);
+      const JsonReader reference = children->at(k);
       const std::size_t child = document_.indexAt(reference, "nodes");
       if (has_parent_[child]) {
         throw reference.error("node " + std::to_string(child) + " has another parent already",
@@ -156,10 +156,10 @@ void GltfScene::collect(std::vector<std::size_t> roots, std::vector<std::string>
   }
 }
 
-std::vector<Transform> instancesOf(GltfDocument& document, const GltfValue& node) {
-  const auto instancing = node.extension("EXT_mesh_gpu_instancing");
+std::vector<Transform> instancesOf(GltfDocument& document, const JsonReader& node) {
+  const auto instancing = extensionOf(node, "EXT_mesh_gpu_instancing");
   if (!instancing) return {Transform{}};
-  const GltfValue attributes = instancing->at("attributes");
+  const JsonReader attributes = instancing->at("attributes");
   std::optional<std::size_t> count;
   const auto read = [&](const char* name, GltfType type) -> std::optional<GltfNumbers> {
     const auto reference = attributes.find(name);
@@ -190,8 +190,8 @@ std::vector<Transform> instancesOf(GltfDocument& document, const GltfValue& node
   return instances;
 }
 
-GltfSkin::GltfSkin(GltfDocument& document, const GltfValue& skin, const GltfScene& scene) : skin_(skin) {
-  const GltfValue joints = skin.at("joints");
+GltfSkin::GltfSkin(GltfDocument& document, const JsonReader& skin, const GltfScene& scene) : skin_(skin) {
+  const JsonReader joints = skin.at("joints");
   for (std::size_t i = 0; i < joints.size(); ++i) {
     world_from_bind_.push_back(scene.worldFromNode(document.indexAt(joints.at(i), "nodes")));
   }

@@ -34,12 +34,12 @@ class GltfScene {
 
 // The copies of a node that EXT_mesh_gpu_instancing asks for, as transforms within it; without the extension
 // the identity only.
-std::vector<Transform> instancesOf(GltfDocument& document, const GltfValue& node);
+std::vector<Transform> instancesOf(GltfDocument& document, const JsonReader& node);
 
 // The joints of a skin, at the pose of their nodes.
 class GltfSkin {
  public:
-  GltfSkin(GltfDocument& document, const GltfValue& skin, const GltfScene& scene);
+  GltfSkin(GltfDocument& document, const JsonReader& skin, const GltfScene& scene);
 
   // Moves the primitive's vertices into the world, as the weights of its joints say (normalised); a vertex
   // without weight follows its first joint. Triangles that a mirroring joint turned over are turned back:
@@ -49,7 +49,7 @@ class GltfSkin {
  private:
   Transform blended(const GltfPrimitive& primitive, std::size_t vertex, std::size_t& unweighted) const;
 
-  GltfValue skin_;
+  JsonReader skin_;
   std::vector<Transform> world_from_bind_;  // of each joint
 };
 

@@ -1,11 +1,11 @@
 #include "formats/hash.h"
 
 #define XXH_INLINE_ALL  // one header-only copy; no symbol clash with other libraries' xxHash
+#include <fmt/format.h>
 #include <xxhash.h>
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <fstream>
 #include <memory>
 
@@ -15,9 +15,7 @@ namespace bakelight::formats {
 namespace {
 
 std::string hexDigits(std::uint64_t value) {
-  std::array<char, 17> digits{};
-  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(value));
-  return digits.data();
+  return fmt::format("{:016x}", value);
 }
 
 std::string hexDigits(const XXH128_hash_t& hash) {

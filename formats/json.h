@@ -22,21 +22,8 @@ void writeJson(const std::filesystem::path& path, const Json& value);
 // `pointer` + "/" + `key`, with the escapes of RFC 6901.
 std::string childPointer(const std::string& pointer, std::string_view key);
 
-// The candidate with the smallest edit distance to `name`, or "" if none is near enough to be a likely
-// misspelling.
-template <class Strings>
-std::string nearestName(std::string_view name, const Strings& candidates);
-std::size_t editDistance(std::string_view a, std::string_view b);
-
-template <class Strings>
-std::string nearestName(std::string_view name, const Strings& candidates) {
-  std::string best;
-  std::size_t best_distance = name.size() / 3 + 2;
-  for (const auto& candidate : candidates) {
-    const std::size_t distance = editDistance(name, candidate);
-    if (distance < best_distance) best = candidate, best_distance = distance;
-  }
-  return best;
-}
+// The double with the shortest decimal text that means the same float: 0.8f is written as 0.8, not as
+// 0.800000011920929.
+double shortestDouble(float value);
 
 }  // namespace bakelight::formats

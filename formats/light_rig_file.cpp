@@ -7,7 +7,7 @@
 
 #include "formats/color_picture.h"
 #include "formats/error.h"
-#include "formats/json_members.h"
+#include "formats/json_reader.h"
 #include "formats/mesh_import.h"
 
 namespace bakelight::formats {
@@ -20,50 +20,45 @@ constexpr double kLargestLength = 1e9;
 constexpr double kSmallest = 1e-6;  // where a width, an angle or a period has to be more than nothing
 constexpr double kAutomaticWindow = -1;
 
-using Range = JsonMembers::Range;
-constexpr Range kRadiance = {0, kLargestRadiance}, kPosition = {-kLargestLength, kLargestLength},
-                kExtent = {kSmallest, kLargestLength}, kTurn = {-360, 360};
+constexpr JsonReader::Range kRadiance = {0, kLargestRadiance}, kPosition = {-kLargestLength, kLargestLength},
+                            kExtent = {kSmallest, kLargestLength}, kTurn = {-360, 360};
 
 bool isZero(const Float3& v) {
   return v[0] == 0 && v[1] == 0 && v[2] == 0;
 }
 
-class Members : public JsonMembers {
- public:
-  using JsonMembers::JsonMembers;
+void readDirection(const JsonReader& object, const char* name, Float3& value) {
+  object.read(name, value, kPosition);
+  if (isZero(value))
+    throw badInput(object.placeOf(name), "it has no direction", "three numbers, not all zero");
+}
 
-  void readDirection(const std::string& name, Float3& value) {
-    read(name, value, kPosition);
-    if (isZero(value)) throw badInput(placeOf(name), "it has no direction", "three numbers, not all zero");
-  }
-  // An existing file; its name is relative to the folder of this one.
-  fs::path readPath(const std::string& name, const std::string& expected) {
-    return readFile(name, expected, "write its path relative to the folder of the light rig");
-  }
-};
+fs::path readPath(const JsonReader& object, const char* name, const std::string& expected) {
+  return object.existingFile(name, expected, "write its path relative to the folder of the light rig");
+}
 
-EnvironmentLight readEnvironment(Members& members) {
+EnvironmentLight readEnvironment(const JsonReader& object) {
   EnvironmentLight light;
-  light.path = members.readPath("image", "an HDR image: lat-long, or a strip of six cube faces");
+  light.path = readPath(object, "image", "an HDR image: lat-long, or a strip of six cube faces");
   ColorPicture picture = readColorPicture(light.path, PictureUse::kLight);
   light.image = std::move(picture.image);
   light.notes = std::move(picture.notes);
   const int width = light.image.width, height = light.image.height;
   if (width != 2 * height && width != 6 * height && height != 6 * width)
     throw badInput(
-        members.placeOf("image"),
+        object.placeOf("image"),
         light.path.string() + " is " + std::to_string(width) + " × " + std::to_string(height) + " pixels",
         "2:1 (lat-long), 6:1 or 1:6 (cube faces +X −X +Y −Y +Z −Z)");
-  members.read("yaw_deg", light.yaw_deg, kTurn);
-  members.read("intensity", light.intensity, kRadiance);
+  object.read("yaw_deg", light.yaw_deg, kTurn);
+  object.read("intensity", light.intensity, kRadiance);
   return light;
 }
 
-DiskLight readDisk(Members& members) {
+DiskLight readDisk(const JsonReader& object) {
   DiskLight light;
-  members.readDirection("direction", light.direction);
-  members.read("half_angle_deg", light.half_angle_deg, {kSmallest, 180});
-  members.read("radiance", light.radiance, kRadiance);
+  readDirection(object, "direction", light.direction);
+  object.read("half_angle_deg", light.half_angle_deg, {kSmallest, 180});
+  object.read("radiance", light.radiance, kRadiance);
   return light;
 }
 
@@ -77,144 +72,129 @@ bool areOpposite(const Float3& a, const Float3& b) {
   return dot < -(1 - 1e-12) * std::sqrt(aa * bb);
 }
 
-PolygonLight readPolygon(Members& members) {
+PolygonLight readPolygon(const JsonReader& object) {
   PolygonLight light;
   const std::string expected = "a list of at least 3 positions [x, y, z], in order around the polygon";
-  const Json& list = members.require("vertices", expected);
-  const ErrorPlace place = members.placeOf("vertices");
-  if (!list.is_array() || list.size() < 3) throw badInput(place, "it is not such a list", expected);
-  const auto placeOfVertex = [&](std::size_t i) {
-    return ErrorPlace{place.file, "", childPointer(place.pointer, std::to_string(i))};
-  };
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    light.vertices.push_back(Members::triple(list[i], "vertices", kPosition, placeOfVertex(i)));
+  const JsonReader list = object.at("vertices", expected);
+  if (!list.value().is_array() || list.size() < 3) throw list.error("it is not such a list", expected);
+  for (const JsonReader& vertex : list.items()) {
+    light.vertices.push_back(vertex.float3(kPosition));
     if (isZero(light.vertices.back()))
-      throw badInput(placeOfVertex(i), "it lies at the object itself", "a position as seen from the object");
+      throw vertex.error("it lies at the object itself", "a position as seen from the object");
   }
   for (std::size_t i = 0; i < list.size(); ++i)
     if (areOpposite(light.vertices[i], light.vertices[(i + 1) % list.size()]))
-      throw badInput(placeOfVertex(i), "this vertex and the next lie in opposite directions",
-                     "a polygon that spans less than a hemisphere", "put a vertex between them");
-  members.read("radiance", light.radiance, kRadiance);
+      throw list.at(i).error("this vertex and the next lie in opposite directions",
+                             "a polygon that spans less than a hemisphere", "put a vertex between them");
+  object.read("radiance", light.radiance, kRadiance);
   return light;
 }
 
-DirectionalLight readDirectional(Members& members) {
+DirectionalLight readDirectional(const JsonReader& object) {
   DirectionalLight light;
-  members.readDirection("direction", light.direction);
-  members.read("irradiance", light.irradiance, kRadiance);
+  readDirection(object, "direction", light.direction);
+  object.read("irradiance", light.irradiance, kRadiance);
   return light;
 }
 
-SkyLight readSky(Members& members) {
+SkyLight readSky(const JsonReader& object) {
   SkyLight light;
-  members.read("turbidity", light.turbidity, {1.7, 10});
-  members.read("sun_elevation_deg", light.sun_elevation_deg, {-90, 90});
-  members.read("sun_azimuth_deg", light.sun_azimuth_deg, kTurn);
-  members.read("sun", light.sun);
-  members.read("ground_albedo", light.ground_albedo, {0, 1});
-  members.read("intensity", light.intensity, kRadiance);
+  object.read("turbidity", light.turbidity, {1.7, 10});
+  object.read("sun_elevation_deg", light.sun_elevation_deg, {-90, 90});
+  object.read("sun_azimuth_deg", light.sun_azimuth_deg, kTurn);
+  object.read("sun", light.sun);
+  object.read("ground_albedo", light.ground_albedo, {0, 1});
+  object.read("intensity", light.intensity, kRadiance);
   return light;
 }
 
-DistantLight readDistant(const Json& json, const std::string& file, const std::string& pointer) {
-  Members members(json, file, pointer);
-  const std::size_t type =
-      members.readChoice("type", {"environment", "disk", "polygon", "directional", "sky"});
-  DistantLight light = type == 0   ? DistantLight(readEnvironment(members))
-                       : type == 1 ? DistantLight(readDisk(members))
-                       : type == 2 ? DistantLight(readPolygon(members))
-                       : type == 3 ? DistantLight(readDirectional(members))
-                                   : DistantLight(readSky(members));
-  members.refuseOthers();
+template <auto read>
+DistantLight distant(const JsonReader& object) {
+  return read(object);
+}
+
+constexpr Word<DistantLight (*)(const JsonReader&)> kDistantLights[] = {
+    {"environment", distant<readEnvironment>}, {"disk", distant<readDisk>}, {"polygon", distant<readPolygon>},
+    {"directional", distant<readDirectional>}, {"sky", distant<readSky>},
+};
+
+DistantLight readDistant(const JsonReader& object) {
+  DistantLight light = object.choice("type", kDistantLights)(object);
+  object.refuseOthers();
   return light;
 }
 
-Motion readMotion(const Json& json, const std::string& file, const std::string& pointer) {
-  Members members(json, file, pointer);
+constexpr Word<Motion::Kind> kMotions[] = {
+    {"still", Motion::Kind::kStill}, {"orbit", Motion::Kind::kOrbit}, {"shuttle", Motion::Kind::kShuttle}};
+
+Motion readMotion(const JsonReader& object) {
   Motion motion;
-  const std::size_t kind = members.readChoice("kind", {"still", "orbit", "shuttle"});
-  if (kind == 1) {
-    motion.kind = Motion::Kind::kOrbit;
-    members.readDirection("axis", motion.axis);
-    members.read("center", motion.center, kPosition);
-  } else if (kind == 2) {
-    motion.kind = Motion::Kind::kShuttle;
-    members.require("to", "the position at which it turns round");
-    members.read("to", motion.to, kPosition);
+  motion.kind = object.choice("kind", kMotions);
+  if (motion.kind == Motion::Kind::kOrbit) {
+    readDirection(object, "axis", motion.axis);
+    object.read("center", motion.center, kPosition);
+  } else if (motion.kind == Motion::Kind::kShuttle) {
+    motion.to = object.at("to", "the position at which it turns round").float3(kPosition);
   }
-  if (kind != 0) members.read("period_s", motion.period_s, {1e-3, 1e6});
-  members.refuseOthers();
+  if (motion.kind != Motion::Kind::kStill) object.read("period_s", motion.period_s, {1e-3, 1e6});
+  object.refuseOthers();
   return motion;
 }
 
-Emitter readEmitter(const Json& json, const std::string& file, const std::string& pointer) {
-  Members members(json, file, pointer);
+constexpr Word<Emitter::Shape> kShapes[] = {
+    {"quad", Emitter::Shape::kQuad}, {"sphere", Emitter::Shape::kSphere}, {"mesh", Emitter::Shape::kMesh}};
+
+Emitter readEmitter(const JsonReader& object) {
   Emitter emitter;
-  const std::size_t shape = members.readChoice("shape", {"quad", "sphere", "mesh"});
-  members.read("position", emitter.position, kPosition);
-  members.read("radiance", emitter.radiance, kRadiance);
-  if (shape == 0) {
-    emitter.shape = Emitter::Shape::kQuad;
-    members.readDirection("normal", emitter.normal);
-    members.read("width", emitter.width, kExtent);
-    members.read("height", emitter.height, kExtent);
-  } else if (shape == 1) {
-    emitter.shape = Emitter::Shape::kSphere;
-    members.read("radius", emitter.radius, kExtent);
-  } else {
-    emitter.shape = Emitter::Shape::kMesh;
-    emitter.path = members.readPath("mesh", "a mesh file, for example .obj or .ply");
-    emitter.mesh = importMesh(emitter.path).mesh;
-    members.read("scale", emitter.scale, kExtent);
+  emitter.shape = object.choice("shape", kShapes);
+  object.read("position", emitter.position, kPosition);
+  object.read("radiance", emitter.radiance, kRadiance);
+  switch (emitter.shape) {
+    case Emitter::Shape::kQuad:
+      readDirection(object, "normal", emitter.normal);
+      object.read("width", emitter.width, kExtent);
+      object.read("height", emitter.height, kExtent);
+      break;
+    case Emitter::Shape::kSphere:
+      object.read("radius", emitter.radius, kExtent);
+      break;
+    case Emitter::Shape::kMesh:
+      emitter.path = readPath(object, "mesh", "a mesh file, for example .obj or .ply");
+      emitter.mesh = importMesh(emitter.path).mesh;
+      object.read("scale", emitter.scale, kExtent);
+      break;
   }
-  if (const Json* motion = members.find("motion"))
-    emitter.motion = readMotion(*motion, file, members.placeOf("motion").pointer);
-  members.refuseOthers();
+  if (const auto motion = object.find("motion")) emitter.motion = readMotion(*motion);
+  object.refuseOthers();
   return emitter;
 }
 
-double readWindowing(Members& members) {
-  const Json* json = members.find("windowing");
-  if (json == nullptr) return 0;
-  if (*json == "auto") return kAutomaticWindow;
-  if (json->is_string())
-    throw badInput(members.placeOf("windowing"), json->dump() + " is not a strength",
-                   "\"auto\", or a number of 0 or more", "\"auto\"");
-  return Members::real(*json, "windowing", {0, 1e9}, members.placeOf("windowing"));
+double readWindowing(const JsonReader& object) {
+  const auto windowing = object.find("windowing");
+  if (!windowing) return 0;
+  if (windowing->value() == "auto") return kAutomaticWindow;
+  if (windowing->value().is_string())
+    throw windowing->error(windowing->value().dump() + " is not a strength",
+                           "\"auto\", or a number of 0 or more", "\"auto\"");
+  return windowing->number({.minimum = 0, .maximum = 1e9});
 }
 
-// Calls read(element, pointer) for each element of the list `name`, which may be missing.
-template <class Read>
-void readList(Members& members, const std::string& name, const Read& read) {
-  const Json* list = members.find(name);
-  if (list == nullptr) return;
-  const ErrorPlace place = members.placeOf(name);
-  if (!list->is_array()) throw badInput(place, std::string("is ") + list->type_name(), "a list [ ... ]");
-  for (std::size_t i = 0; i < list->size(); ++i)
-    read((*list)[i], childPointer(place.pointer, std::to_string(i)));
-}
+constexpr Word<bool> kUnits[] = {{"object", true}, {"world", false}};
 
 }  // namespace
 
 LightRig readLightRig(const fs::path& path) {
-  const std::string file = path.string();
   const Json json = readJson(path);
-  Members members(json, file, "");
+  const JsonReader object(json, path.string());
   LightRig rig;
-  if (members.find("units") != nullptr)
-    rig.object_units = members.readChoice("units", {"object", "world"}) == 0;
-  rig.windowing = readWindowing(members);
-  readList(members, "lights", [&](const Json& light, const std::string& pointer) {
-    rig.distant.push_back(readDistant(light, file, pointer));
-  });
-  readList(members, "emitters", [&](const Json& emitter, const std::string& pointer) {
-    rig.emitters.push_back(readEmitter(emitter, file, pointer));
-  });
-  members.refuseOthers();
+  object.read("units", rig.object_units, kUnits);
+  rig.windowing = readWindowing(object);
+  for (const JsonReader& light : object.items("lights")) rig.distant.push_back(readDistant(light));
+  for (const JsonReader& emitter : object.items("emitters")) rig.emitters.push_back(readEmitter(emitter));
+  object.refuseOthers();
   if (rig.distant.empty() && rig.emitters.empty())
-    throw badInput({file, "", ""}, "there is no light in it", "\"lights\", \"emitters\" or both",
-                   "{\"lights\": [{\"type\": \"disk\"}]}");
+    throw object.error("there is no light in it", "\"lights\", \"emitters\" or both",
+                       "{\"lights\": [{\"type\": \"disk\"}]}");
   return rig;
 }
 

@@ -6,19 +6,19 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "formats/json_members.h"
+#include "formats/json_reader.h"
 #include "formats/materials.h"
 #include "formats/tensors.h"
+#include "formats/words.h"
 
 namespace bakelight::formats {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr JsonMembers::Range kShare = {0, 1}, kExponent = {0, 100000},
-                             kWidth = {std::numeric_limits<double>::min(), 1e15};
+constexpr JsonReader::Range kShare = {0, 1}, kExponent = {0, 100000},
+                            kWidth = {std::numeric_limits<double>::min(), 1e15};
 constexpr const char* kColorOrTexture = "three numbers from 0 to 1, or the file name of a picture";
-const std::vector<std::string> kModels = {"none", "phong", "ggx", "table"};
 
 template <class... Cases>
 struct Overloaded : Cases... {
@@ -27,53 +27,68 @@ struct Overloaded : Cases... {
 template <class... Cases>
 Overloaded(Cases...) -> Overloaded<Cases...>;
 
-fs::path fileNamed(const Json& text, const ErrorPlace& place, const FileResolver& files) {
-  return files(text.get<std::string>(), place);
+fs::path fileNamed(const JsonReader& name, const FileResolver& files) {
+  return files(name.text(), name.place());
 }
 
-Reflection reflectionFrom(const Json& json, const std::string& file, const std::string& pointer,
-                          const FileResolver& files) {
-  JsonMembers members(json, file, pointer);
-  const std::size_t model = members.readChoice("model", kModels);
-  Reflection reflection = Lambert{};
-  if (model == 1) {
-    PhongReflection phong;
-    members.read("specular_color", phong.specular_color, kShare);
-    members.read("exponent", phong.exponent, kExponent);
-    reflection = phong;
-  } else if (model == 2) {
-    GgxReflection ggx;
-    members.read("specular_color", ggx.specular_color, kShare);
-    members.read("roughness", ggx.roughness, kShare);
-    members.read("fresnel", ggx.fresnel);
-    members.read("multiple_scattering", ggx.multiple_scattering);
-    reflection = ggx;
-  } else if (model == 3) {
-    const std::string expected = "a file of the brdf tool";
-    std::string name;
-    members.require("file", expected);
-    members.read("file", name);
-    reflection = TableReflection{files(name, members.placeOf("file")), {}};
-  }
-  members.refuseOthers();
+Reflection readLambert(const JsonReader&, const FileResolver&) {
+  return Lambert{};
+}
+
+Reflection readPhong(const JsonReader& object, const FileResolver&) {
+  PhongReflection phong;
+  object.read("specular_color", phong.specular_color, kShare);
+  object.read("exponent", phong.exponent, kExponent);
+  return phong;
+}
+
+Reflection readGgx(const JsonReader& object, const FileResolver&) {
+  GgxReflection ggx;
+  object.read("specular_color", ggx.specular_color, kShare);
+  object.read("roughness", ggx.roughness, kShare);
+  object.read("fresnel", ggx.fresnel);
+  object.read("multiple_scattering", ggx.multiple_scattering);
+  return ggx;
+}
+
+Reflection readTableReflection(const JsonReader& object, const FileResolver& files) {
+  return TableReflection{fileNamed(object.at("file", "a file of the brdf tool"), files), {}};
+}
+
+// In the order of Reflection's alternatives.
+constexpr Word<Reflection (*)(const JsonReader&, const FileResolver&)> kModels[] = {
+    {"none", readLambert}, {"phong", readPhong}, {"ggx", readGgx}, {"table", readTableReflection}};
+
+Reflection reflectionFrom(const JsonReader& object, const FileResolver& files) {
+  Reflection reflection = object.choice("model", kModels)(object, files);
+  object.refuseOthers();
   return reflection;
 }
 
-Patch patchFrom(const Json& json, const std::string& file, const std::string& pointer,
-                const FileResolver& files) {
-  JsonMembers members(json, file, pointer);
-  std::string name;
-  members.require("file", "a picture");
-  members.read("file", name);
-  Patch patch{files(name, members.placeOf("file")), {}};
-  if (members.find("width") != nullptr) {
-    double width = 0;
-    members.read("width", width, kWidth);
-    patch.width = width;
-  }
-  members.read("periodic", patch.periodic);
-  members.refuseOthers();
+Patch patchFrom(const JsonReader& object, const FileResolver& files) {
+  Patch patch{fileNamed(object.at("file", "a picture"), files), {}};
+  if (object.has("width")) patch.width = object.number("width", kWidth);
+  object.read("periodic", patch.periodic);
+  object.refuseOthers();
   return patch;
+}
+
+Material materialFrom(const JsonReader& object, const FileResolver& files) {
+  Material material;
+  object.read("name", material.name);
+  if (const auto albedo = object.find("albedo")) {
+    if (albedo->value().is_string())
+      material.texture = fileNamed(*albedo, files);
+    else if (albedo->value().is_array())
+      material.albedo = albedo->float3(kShare);
+    else
+      throw albedo->error(albedo->value().dump() + " is no albedo", kColorOrTexture);
+  }
+  if (const auto reflection = object.find("reflection"))
+    material.reflection = reflectionFrom(*reflection, files);
+  if (const auto patch = object.find("patch")) material.patch = patchFrom(*patch, files);
+  object.refuseOthers();
+  return material;
 }
 
 void readTable(Material& material) {
@@ -81,16 +96,9 @@ void readTable(Material& material) {
     table->table = readBrdfTable(table->file);
 }
 
-// The shortest text that means the same float.
 Json numbersOf(const Float3& values) {
   Json numbers = Json::array();
-  for (const float value : values) {
-    char text[32];
-    const auto written = std::to_chars(text, text + sizeof text, value);
-    double number = 0;
-    std::from_chars(text, written.ptr, number);
-    numbers.push_back(number);
-  }
+  for (const float value : values) numbers.push_back(shortestDouble(value));
   return numbers;
 }
 
@@ -205,48 +213,26 @@ FileResolver relativeTo(fs::path folder) {
 
 Material materialFromJson(const Json& json, const std::string& file, const std::string& pointer,
                           const FileResolver& files) {
-  JsonMembers members(json, file, pointer);
-  Material material;
-  members.read("name", material.name);
-  if (const Json* albedo = members.find("albedo")) {
-    const ErrorPlace place = members.placeOf("albedo");
-    if (albedo->is_string())
-      material.texture = fileNamed(*albedo, place, files);
-    else if (albedo->is_array())
-      material.albedo = JsonMembers::triple(*albedo, "albedo", kShare, place);
-    else
-      throw badInput(place, albedo->dump() + " is no albedo", kColorOrTexture);
-  }
-  if (const Json* reflection = members.find("reflection"))
-    material.reflection = reflectionFrom(*reflection, file, members.placeOf("reflection").pointer, files);
-  if (const Json* patch = members.find("patch"))
-    material.patch = patchFrom(*patch, file, members.placeOf("patch").pointer, files);
-  members.refuseOthers();
-  return material;
+  return materialFrom(JsonReader(json, file, pointer), files);
 }
 
 Materials materialsFromJson(const Json& json, const std::string& file, const std::string& pointer,
                             const FileResolver& files) {
-  if (!json.is_object() || !(json.contains("material") || json.contains("materials")))
+  const JsonReader object(json, file, pointer);
+  if (!object.has("material") && !object.has("materials"))
     return {materialFromJson(json, file, pointer, files)};
-  JsonMembers members(json, file, pointer);
   Materials materials;
-  if (const Json* base = members.find("material"))
-    materials.base = materialFromJson(*base, file, members.placeOf("material").pointer, files);
-  const std::string inner = members.placeOf("materials").pointer;
-  static const Json kNone = Json::object();
-  const Json* const given = members.find("materials");
-  const Json& named = given == nullptr ? kNone : *given;
-  const JsonMembers names(named, file, inner);
-  for (const std::string& name : names.names()) {
-    const Material material = materialFromJson(named.at(name), file, names.placeOf(name).pointer, files);
+  if (const auto base = object.find("material")) materials.base = materialFrom(*base, files);
+  const JsonReader named = object.object("materials");
+  for (const std::string& name : named.keys()) {
+    const Material material = materialFrom(named.at(name), files);
     if (!material.texture.empty())
-      throw badInput({file, "", childPointer(names.placeOf(name).pointer, "albedo")},
-                     "a texture of one of several materials is not read from here",
-                     "three numbers from 0 to 1", "name the picture in the mesh's own material");
+      throw named.at(name).at("albedo").error("a texture of one of several materials is not read from here",
+                                              "three numbers from 0 to 1",
+                                              "name the picture in the mesh's own material");
     materials.by_name[name] = material;
   }
-  members.refuseOthers();
+  object.refuseOthers();
   return materials;
 }
 
@@ -268,7 +254,7 @@ Json toJson(const Materials& materials, const std::vector<std::string>& parts) {
 }
 
 const char* nameOf(const Reflection& reflection) {
-  return kModels[reflection.index()].c_str();
+  return kModels[reflection.index()].text;
 }
 
 PackPart runtimeLobe(const Reflection& reflection) {

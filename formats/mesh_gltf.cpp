@@ -37,7 +37,7 @@ class GltfReader {
 
  private:
   void addNode(std::size_t index) {
-    const GltfValue node = document_.item("nodes", index);
+    const JsonReader node = document_.item("nodes", index);
     const auto mesh = node.find("mesh");
     if (!mesh) return;
     const auto primitives = meshes_.get(document_.indexAt(*mesh, "meshes"), node);
@@ -54,25 +54,25 @@ class GltfReader {
   // A library of meshes: each as it is.
   void addMeshesWithoutNodes() {
     for (std::size_t i = 0; i < document_.count("meshes"); ++i) {
-      const GltfValue mesh = document_.item("meshes", i);
+      const JsonReader mesh = document_.item("meshes", i);
       const auto primitives = meshes_.get(i, mesh);
       for (const GltfPrimitive& primitive : *primitives) add(primitive, Transform{}, mesh);
     }
   }
 
-  void add(const GltfPrimitive& primitive, const Transform& world, const GltfValue& owner) {
+  void add(const GltfPrimitive& primitive, const Transform& world, const JsonReader& owner) {
     MeshPart part = primitive.part;
     mirrored_ += place(primitive.positions, primitive.normals, world, part);
     finish(std::move(part), primitive, owner);
   }
 
   // The node's own transform does not matter (glTF 2.0, 3.7.3.3).
-  void addSkinned(const GltfValue& node, const GltfValue& reference,
+  void addSkinned(const JsonReader& node, const JsonReader& reference,
                   const GltfMeshes::Primitives& primitives) {
-    if (node.extension("EXT_mesh_gpu_instancing")) {
+    if (extensionOf(node, "EXT_mesh_gpu_instancing")) {
       throw node.error("it has both a skin and instances (EXT_mesh_gpu_instancing)", "one of the two");
     }
-    const GltfValue skin = document_.referred(reference, "skins");
+    const JsonReader skin = document_.referred(reference, "skins");
     const std::size_t index = document_.indexAt(reference, "skins");
     auto& kept = skins_.try_emplace(index, document_, skin, scene_).first->second;
     for (const GltfPrimitive& primitive : primitives) {
@@ -87,12 +87,12 @@ class GltfReader {
     }
   }
 
-  void finish(MeshPart part, const GltfPrimitive& primitive, const GltfValue& owner) {
+  void finish(MeshPart part, const GltfPrimitive& primitive, const JsonReader& owner) {
     if (const auto vertex = firstNotFinite(part.positions)) {
       const auto& source = primitive.positions[*vertex];
       const bool is_finite =
           std::all_of(source.begin(), source.end(), [](double v) { return std::isfinite(v); });
-      const std::string name = textOr(owner, "name", "");
+      const std::string name = owner.text("name", "");
       throw badInput({document_.file(),
                       "vertex " + std::to_string(*vertex) + " of the primitive" +
                           (name.empty() ? "" : " in '" + name + "'") + " (" + owner.pointer() + ")",

@@ -1,21 +1,17 @@
 #include "formats/missing_picture.h"
 
-#include <sstream>
+#include <fmt/format.h>
 
 namespace bakelight::formats {
 
 std::string missingPicture(const std::string& place, const std::string& picture, const std::string& material,
                            const std::optional<Float3>& color) {
-  std::ostringstream text;
-  text << place << ": the picture '" << picture << "' does not exist, so the material '" << material
-       << "' has ";
-  if (color) {
-    text << "its own colour (" << (*color)[0] << ", " << (*color)[1] << ", " << (*color)[2] << ") alone";
-  } else {
-    text << "no colour of its own";
-  }
-  text << "; put the picture there";
-  return text.str();
+  const std::string has =
+      color ? fmt::format("its own colour ({:g}, {:g}, {:g}) alone", (*color)[0], (*color)[1], (*color)[2])
+            : "no colour of its own";
+  return fmt::format(
+      "{}: the picture '{}' does not exist, so the material '{}' has {}; put the picture there", place,
+      picture, material, has);
 }
 
 }  // namespace bakelight::formats

@@ -129,7 +129,7 @@ void ShTransfer::describe(FieldVisitor& fields) {
   fields.constant("inversePi", "inside");
   fields.constant("albedo", "outside");
   fields.integer("order", order, kOrders);
-  choose(fields, "transport", transport, kTransportNames);
+  choose(fields, "transport", transport, kTransports);
   fields.integer("channels", channels, {1, 3});
   fields.require(channels != 2, "channels", "it has 2 channels", "1 or 3", "");
   const std::size_t values = static_cast<std::size_t>(channels) * squared(order);

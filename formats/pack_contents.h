@@ -11,6 +11,7 @@
 #include "formats/encoded_table.h"
 #include "formats/pack_part.h"
 #include "formats/triangle_mesh.h"
+#include "formats/words.h"
 
 namespace bakelight::formats {
 
@@ -19,10 +20,11 @@ inline constexpr int kMaxOrder = 10;  // bands of spherical harmonics
 // ---- radiance transfer: what turns light into incident light
 
 enum class Transport { kUnshadowed, kShadowed, kInterreflected };
-// "unshadowed", "shadowed", "interreflected", in the order of the enumerators.
-inline constexpr std::array<const char*, 3> kTransportNames = {"unshadowed", "shadowed", "interreflected"};
-inline const char* nameOf(Transport transport) {
-  return kTransportNames[static_cast<std::size_t>(transport)];
+inline constexpr Word<Transport> kTransports[] = {{"unshadowed", Transport::kUnshadowed},
+                                                  {"shadowed", Transport::kShadowed},
+                                                  {"interreflected", Transport::kInterreflected}};
+constexpr const char* nameOf(Transport transport) {
+  return wordFor(kTransports, transport);
 }
 
 // Transfer of light on a virtual sphere (Fujita & Kanai 2004): light[i] are coefficients of what is seen from

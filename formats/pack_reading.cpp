@@ -80,9 +80,7 @@ EncodedTable PackReading::readTable(const std::string& pointer, const char* prec
 
 Precision PackReading::precisionAt(const std::string& pointer) const {
   const std::string name = glb_.textAt(pointer);
-  for (const std::string& known : precisionNames()) {
-    if (name == known) return precisionNamed(name);
-  }
+  if (const Precision* known = valueFor(kPrecisions, name)) return *known;
   throw glb_.error(pointer, "'" + name + "' is not known", "float32, float16 or uint8");
 }
 

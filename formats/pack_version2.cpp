@@ -75,10 +75,8 @@ class PackReader2 : private PackReading {
 
   Transport transportAt(const std::string& pointer) const {
     const std::string name = glb_.textAt(pointer);
-    const auto found = std::find(kTransportNames.begin(), kTransportNames.end(), name);
-    if (found == kTransportNames.end())
-      throw glb_.error(pointer, "'" + name + "' is not known", "unshadowed, shadowed or interreflected");
-    return static_cast<Transport>(found - kTransportNames.begin());
+    if (const Transport* known = valueFor(kTransports, name)) return *known;
+    throw glb_.error(pointer, "'" + name + "' is not known", "unshadowed, shadowed or interreflected");
   }
 
   ShTransfer readTransfer(std::size_t vertex_count) const {

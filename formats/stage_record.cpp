@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "formats/error.h"
+#include "formats/json_reader.h"
 
 namespace bakelight::formats {
 
@@ -13,25 +13,14 @@ Json toJson(const StageRecord& record) {
 }
 
 StageRecord stageRecordFromJson(const Json& json, const std::string& file) {
-  std::string pointer;
-  const auto member = [&](const char* key) -> const Json& {
-    pointer = childPointer("", key);
-    return json.at(key);
-  };
-  try {
-    StageRecord record;
-    record.tool = member("tool").get<std::string>();
-    record.wall_s = member("wall_s").get<double>();
-    record.cpu_s = member("cpu_s").get<double>();
-    record.peak_memory_bytes = member("peak_memory_bytes").get<std::uint64_t>();
-    record.warnings = member("warnings").get<std::vector<std::string>>();
-    record.stats = member("stats");
-    if (!record.stats.is_object()) throw std::invalid_argument("stats is not an object");
-    return record;
-  } catch (const std::exception& error) {
-    throw badInput({file, "", pointer}, std::string("is not a stage record: ") + error.what(),
-                   "the stats.json of docs/FORMATS.md", "run the stage again");
-  }
+  const JsonReader object(json, file, "", "run the stage again");
+  object.at("stats", "an object of figures");
+  return {.tool = object.text("tool"),
+          .wall_s = object.number("wall_s"),
+          .cpu_s = object.number("cpu_s"),
+          .peak_memory_bytes = object.at("peak_memory_bytes", "a number of bytes").whole(),
+          .warnings = object.at("warnings", "a list of texts").texts(),
+          .stats = object.object("stats").value()};
 }
 
 }  // namespace bakelight::formats

@@ -12,6 +12,7 @@
 #include "formats/json.h"
 #include "formats/mapped_file.h"
 #include "formats/tensor_writer.h"
+#include "formats/words.h"
 
 namespace bakelight::formats {
 namespace {

@@ -1,21 +1,20 @@
 #include "formats/tool_description.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
 
+#include "formats/words.h"
+
 namespace bakelight::formats {
 namespace {
 
-constexpr std::array<std::pair<ParameterType, const char*>, 5> kTypeNames = {{
-    {ParameterType::kBoolean, "boolean"},
-    {ParameterType::kInteger, "integer"},
-    {ParameterType::kReal, "real"},
-    {ParameterType::kText, "text"},
-    {ParameterType::kRealList, "real_list"},
-}};
+constexpr Word<ParameterType> kTypes[] = {
+    {"boolean", ParameterType::kBoolean},    {"integer", ParameterType::kInteger},
+    {"real", ParameterType::kReal},          {"text", ParameterType::kText},
+    {"real_list", ParameterType::kRealList},
+};
 
 template <class Items>
 auto findByName(const Items& items, std::string_view name) -> decltype(items.data()) {
@@ -44,9 +43,17 @@ bool inRange(const ParameterDescription& parameter, double value) {
          !(parameter.maximum && value > *parameter.maximum);
 }
 
+// In a message; what is long by its kind.
+std::string shown(const Json& value) {
+  constexpr std::size_t kLongest = 80;
+  const std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (text.size() <= kLongest || !(value.is_structured() || value.is_string())) return text;
+  return value.is_object() ? "an object" : value.is_array() ? "a list" : "a long text";
+}
+
 [[noreturn]] void refuse(const ParameterDescription& parameter, const Json& value, const ErrorPlace& place,
                          const std::string& why, const std::string& remedy = "") {
-  throw badInput(place, value.dump() + " " + why + " for " + parameter.name, expectation(parameter), remedy);
+  throw badInput(place, shown(value) + " " + why + " for " + parameter.name, expectation(parameter), remedy);
 }
 
 double checkedReal(const ParameterDescription& parameter, const Json& value, const Json& whole,
@@ -81,7 +88,7 @@ Json toJson(const std::vector<PortDescription>& ports) {
 
 Json toJson(const ParameterDescription& parameter) {
   Json json = {{"name", parameter.name},
-               {"type", kTypeNames[static_cast<std::size_t>(parameter.type)].second},
+               {"type", wordFor(kTypes, parameter.type)},
                {"default", parameter.default_value},
                {"help", parameter.help}};
   if (parameter.minimum) json["minimum"] = *parameter.minimum;
@@ -105,10 +112,9 @@ ParameterDescription parameterFromJson(const Json& json) {
   ParameterDescription parameter;
   parameter.name = json.at("name");
   const std::string type = json.at("type");
-  const auto known =
-      std::find_if(kTypeNames.begin(), kTypeNames.end(), [&](auto& entry) { return entry.second == type; });
-  if (known == kTypeNames.end()) throw std::invalid_argument("unknown parameter type " + type);
-  parameter.type = known->first;
+  const ParameterType* known = valueFor(kTypes, type);
+  if (known == nullptr) throw std::invalid_argument("unknown parameter type " + type);
+  parameter.type = *known;
   parameter.default_value = json.at("default");
   if (json.contains("minimum")) parameter.minimum = json["minimum"].get<double>();
   if (json.contains("maximum")) parameter.maximum = json["maximum"].get<double>();

@@ -5,11 +5,13 @@
 
 #include "formats/error.h"
 #include "formats/file.h"
-#include "pipeline/json_object.h"
+#include "formats/json_reader.h"
+#include "formats/words.h"
 
 namespace bakelight::pipeline {
 namespace fs = std::filesystem;
 using formats::Json;
+using formats::JsonReader;
 namespace {
 
 constexpr const char* kAssetFile = "asset.json";
@@ -50,7 +52,7 @@ class Finder {
       addMesh(path, path.stem().string());
     else
       throw badInput({path.string(), "", ""}, "is not a mesh file",
-                     "a file that ends in " + join(defaultPort(kMeshPort).endings, ", ") +
+                     "a file that ends in " + formats::join(defaultPort(kMeshPort).endings, ", ") +
                          ", or a folder with such a file or asset.json");
   }
 
@@ -96,7 +98,7 @@ class Finder {
     const std::vector<fs::path> folders = assetFoldersIn(folder);
     if (meshes.empty() && folders.empty())
       throw badInput({folder.string(), "", ""}, "has no asset",
-                     "asset.json, a mesh file (" + join(defaultPort(kMeshPort).endings, ", ") +
+                     "asset.json, a mesh file (" + formats::join(defaultPort(kMeshPort).endings, ", ") +
                          "), or sub-folders with these");
     if (meshes.size() == 1 && folders.empty()) return addFolderWithOneMesh(folder, meshes.front());
     addMeshes(meshes);
@@ -137,7 +139,7 @@ class Finder {
 
   void readAssetFile(const fs::path& file) {
     const Json json = formats::parseJson(disk_.read(file), file.string());
-    const JsonObject object(json, file.string());
+    const JsonReader object(json, file.string());
     Asset asset{.name = "", .label = {}, .file = file.string()};
     asset.recipe = object.text("recipe", RecipeBook::kDefault);
     const Recipe& recipe = recipes_.require(asset.recipe, object.placeOf("recipe"));
@@ -147,7 +149,7 @@ class Finder {
       keys.push_back(name);
       if (port.kind == kMaterialKind) keys.push_back(pluralOf(name));
     }
-    object.allowKeys(keys, problems_);
+    problems_.add(object.unknownKeys(keys));
     problems_.attempt(
         [&] { asset.name = object.text("name", folderName(fs::absolute(file).parent_path())); });
     problems_.attempt([&] {
@@ -161,8 +163,8 @@ class Finder {
     problems_.attempt([&] {
       object.object("report");
       if (object.has("report")) asset.report = object.value("report");
-      object.object("report").allowKeys({"lights", "cameras", "vary"}, problems_);
-      const JsonObject lights = object.object("report").object("lights");
+      problems_.add(object.object("report").unknownKeys({"lights", "cameras", "vary"}));
+      const JsonReader lights = object.object("report").object("lights");
       for (const std::string& name : lights.keys())
         problems_.attempt([&] { asset.report_lights[name] = fileNamed(lights, name, file.parent_path()); });
     });
@@ -177,18 +179,18 @@ class Finder {
     assets_.push_back(std::move(asset));
   }
 
-  void readLeaveOut(const JsonObject& object, const Recipe& recipe, Asset& asset) {
+  void readLeaveOut(const JsonReader& object, const Recipe& recipe, Asset& asset) {
     if (!object.has("leave_out") || !object.value("leave_out").is_object()) {
       asset.keep_all = !object.boolean("leave_out", true);
       return;
     }
-    const JsonObject stages = object.object("leave_out");
-    stages.allowKeys(recipe.stageNames(), problems_);
+    const JsonReader stages = object.object("leave_out");
+    problems_.add(stages.unknownKeys(recipe.stageNames()));
     for (const std::string& stage : stages.keys())
       if (!stages.boolean(stage, true)) asset.kept.insert(stage);
   }
 
-  void readMaterials(const JsonObject& object, const std::string& port, const Recipe& recipe, Asset& asset) {
+  void readMaterials(const JsonReader& object, const std::string& port, const Recipe& recipe, Asset& asset) {
     const fs::path folder = fs::path(asset.file).parent_path();
     formats::Materials materials;
     const Json& otherwise = recipe.asset.at(port).otherwise;
@@ -196,7 +198,7 @@ class Finder {
       materials.base = materialAt(object, port, folder, otherwise);
       if (!materials.base.texture.empty()) takeTexture(object, port, recipe, materials.base, asset);
     }
-    const JsonObject named = object.object(pluralOf(port));
+    const JsonReader named = object.object(pluralOf(port));
     for (const std::string& name : named.keys())
       problems_.attempt([&] {
         const formats::Material material = materialAt(named, name, folder, otherwise);
@@ -211,7 +213,7 @@ class Finder {
   }
 
   // Inline, or a file of its own.
-  formats::Material materialAt(const JsonObject& object, const std::string& key, const fs::path& folder,
+  formats::Material materialAt(const JsonReader& object, const std::string& key, const fs::path& folder,
                                const Json& otherwise) const {
     const auto whole = [&](const Json& given) {
       Json json = given;
@@ -245,7 +247,7 @@ class Finder {
   }
 
   // The picture becomes colours of the mesh: from then on these are the albedo.
-  static void takeTexture(const JsonObject& object, const std::string& port, const Recipe& recipe,
+  static void takeTexture(const JsonReader& object, const std::string& port, const Recipe& recipe,
                           formats::Material& material, Asset& asset) {
     if (recipe.asset.count(kTexturePort) == 0)
       throw badInput(object.placeOf(port), "the recipe " + recipe.name + " takes no texture",
@@ -256,7 +258,7 @@ class Finder {
     asset.files[kTexturePort] = std::exchange(material.texture, fs::path());
   }
 
-  fs::path fileNamed(const JsonObject& object, const std::string& key, const fs::path& folder) const {
+  fs::path fileNamed(const JsonReader& object, const std::string& key, const fs::path& folder) const {
     return resolved(object.text(key), object.placeOf(key), folder);
   }
 

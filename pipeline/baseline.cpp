@@ -1,6 +1,7 @@
 #include "pipeline/baseline.h"
 
-#include <cstdio>
+#include <fmt/format.h>
+
 #include <limits>
 #include <utility>
 
@@ -112,11 +113,7 @@ Comparer compareTool(const fs::path& tools, const fs::path& scratch, Runner& run
   return [=, &runner, &disk](const std::string& kind, const fs::path& file, const fs::path& reference,
                              const formats::CompareLimits& limits) {
     const fs::path executable = tools / "compare", answer_file = scratch / "comparison.json";
-    const auto number = [](double value) {
-      char text[32];
-      std::snprintf(text, sizeof text, "%.17g", value);
-      return std::string(text);
-    };
+    const auto number = [](double value) { return fmt::format("{:.17g}", value); };
     std::string ignored_keys;
     for (const std::string& key : limits.ignored_keys) ignored_keys += key + " ";
     const Captured captured = runner.capture({executable.string(),

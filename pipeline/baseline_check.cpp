@@ -1,6 +1,7 @@
 // checkBaseline of pipeline/baseline.h: pairs what was stored with what was made.
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cstdio>
 #include <set>
 
 #include "formats/error.h"
@@ -13,9 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 std::string shortNumber(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
+  return fmt::format("{:.3g}", value);
 }
 
 template <class Map>

@@ -5,13 +5,14 @@
 #include <utility>
 
 #include "formats/error.h"
-#include "pipeline/json_object.h"
+#include "formats/json_reader.h"
 #include "pipeline/problems.h"
 
 namespace bakelight::pipeline {
 namespace fs = std::filesystem;
 using formats::CompareLimits;
 using formats::Json;
+using formats::JsonReader;
 
 namespace {
 
@@ -89,10 +90,10 @@ class Reader {
   Reader(const fs::path& folder, const Disk& disk, Problems& problems)
       : folder_(folder), disk_(disk), problems_(problems) {}
 
-  Baseline read(const JsonObject& json) {
-    json.allowKeys({"format", "version", "asset", "recipe", "stages"}, problems_);
+  Baseline read(const JsonReader& json) {
+    problems_.add(json.unknownKeys({"format", "version", "asset", "recipe", "stages"}));
     Baseline baseline{.asset = json.text("asset"), .recipe = json.text("recipe")};
-    const JsonObject stages = json.object("stages");
+    const JsonReader stages = json.object("stages");
     for (const std::string& name : stages.keys())
       problems_.attempt([&] { baseline.stages[name] = stage(stages.object(name)); });
     if (stages.keys().empty())
@@ -101,16 +102,16 @@ class Reader {
   }
 
  private:
-  BaselineStage stage(const JsonObject& json) {
-    json.allowKeys({"tool", "execution_path", "parameters", "outputs", "counts", "ignored_counts"},
-                   problems_);
+  BaselineStage stage(const JsonReader& json) {
+    problems_.add(
+        json.unknownKeys({"tool", "execution_path", "parameters", "outputs", "counts", "ignored_counts"}));
     BaselineStage stage{.tool = json.text("tool"), .execution_path = json.text("execution_path")};
     json.object("parameters");
     if (json.has("parameters")) stage.parameters = json.value("parameters");
-    const JsonObject outputs = json.object("outputs");
+    const JsonReader outputs = json.object("outputs");
     for (const std::string& port : outputs.keys())
       problems_.attempt([&] { stage.outputs[port] = output(outputs.object(port)); });
-    const JsonObject counts = json.object("counts");
+    const JsonReader counts = json.object("counts");
     for (const std::string& name : counts.keys()) {
       if (!counts.value(name).is_number_integer())
         throw badInput(counts.placeOf(name), counts.value(name).dump() + " is not a count", "an integer");
@@ -124,8 +125,8 @@ class Reader {
     return stage;
   }
 
-  BaselineOutput output(const JsonObject& json) {
-    json.allowKeys({"file", "kind", "hash", "limits"}, problems_);
+  BaselineOutput output(const JsonReader& json) {
+    problems_.add(json.unknownKeys({"file", "kind", "hash", "limits"}));
     BaselineOutput output{.file = json.text("file"), .kind = json.text("kind"), .hash = json.text("hash")};
     output.limits = limits(json.object("limits"), output.kind);
     const fs::path file = folder_ / output.file;
@@ -137,16 +138,10 @@ class Reader {
     return output;
   }
 
-  CompareLimits limits(const JsonObject& json, const std::string& kind) {
-    json.allowKeys(limitNames(kind), problems_);
+  CompareLimits limits(const JsonReader& json, const std::string& kind) {
+    problems_.add(json.unknownKeys(limitNames(kind)));
     CompareLimits limits;
-    for (const Limit& limit : kLimits) {
-      if (!json.has(limit.name)) continue;
-      const Json& value = json.value(limit.name);
-      if (!value.is_number() || !(value.get<double>() >= 0))
-        throw badInput(json.placeOf(limit.name), value.dump() + " is not a limit", "a number, 0 or larger");
-      limits.*limit.value = value.get<double>();
-    }
+    for (const Limit& limit : kLimits) json.read(limit.name, limits.*limit.value, {.minimum = 0});
     limits.ignored_keys = json.texts(kIgnoredKeys);
     return limits;
   }
@@ -194,7 +189,7 @@ Baseline readBaseline(const fs::path& folder, const Disk& disk) {
     throw badInput({folder.string(), "", ""}, "is no baseline: it has no " + std::string(kBaselineFile),
                    "a folder that `bakelight baseline save` made", "save one, or name it with --baseline");
   const Json json = formats::parseJson(disk.read(file), file.string());
-  const JsonObject object(json, file.string());
+  const JsonReader object(json, file.string());
   if (object.text("format") != kFormat)
     throw badInput(object.placeOf("format"), "is \"" + object.text("format") + "\"",
                    "\"" + std::string(kFormat) + "\"");

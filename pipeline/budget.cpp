@@ -1,18 +1,19 @@
 #include "pipeline/budget.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <tuple>
 #include <vector>
 
-#include "pipeline/json_object.h"
+#include "formats/json_reader.h"
 #include "pipeline/problems.h"
 
 namespace bakelight::pipeline {
 using formats::Json;
+using formats::JsonReader;
 namespace {
 
 // One variant's figures.
@@ -124,17 +125,14 @@ Json limitsOf(const Budget& budget) {
 }  // namespace
 
 std::string figuresText(const Json& variant) {
-  std::array<char, 96> text{};
-  std::snprintf(text.data(), text.size(), "error %.3g, %.3g ms a frame, %.0f bytes",
-                variant.at("rel_rmse").get<double>(), variant.at("frame_ms").get<double>(),
-                variant.at("bytes").get<double>());
-  return text.data();
+  return fmt::format("error {:.3g}, {:.3g} ms a frame, {:.0f} bytes", variant.at("rel_rmse").get<double>(),
+                     variant.at("frame_ms").get<double>(), variant.at("bytes").get<double>());
 }
 
 Budget parseBudget(const Json& json, const ErrorPlace& place) {
   Problems problems;
-  const JsonObject object(json, place.file, place.pointer);
-  object.allowKeys({"error", "frame_ms", "bytes"}, problems);
+  const JsonReader object(json, place.file, place.pointer);
+  problems.add(object.unknownKeys({"error", "frame_ms", "bytes"}));
   problems.throwIfAny();
   const auto limit = [&](const char* key) -> std::optional<double> {
     if (!object.has(key)) return {};

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "formats/error.h"
+#include "formats/words.h"
 #include "pipeline/companions.h"
-#include "pipeline/json_object.h"
 
 namespace bakelight::pipeline {
 namespace fs = std::filesystem;
@@ -108,9 +108,9 @@ void Build::consider(TaskIndex task) {
   parts_.out.publish(task, *verdict.entry);
   std::string reason = "up to date";
   if (!verdict.changes.empty())
-    reason = join(verdict.changes, "; ");
+    reason = formats::join(verdict.changes, "; ");
   else if (!verdict.misplaced.empty())
-    reason = join(verdict.misplaced, "; ");
+    reason = formats::join(verdict.misplaced, "; ");
   settle(task, {.status = StageStatus::kCached,
                 .reason = std::move(reason),
                 .published = !verdict.upToDate(),
@@ -131,7 +131,7 @@ void Build::launch(TaskIndex task, Verdict verdict) {
   Running running{.key = verdict.ingredients.key(),
                   .ingredients = std::move(verdict.ingredients),
                   .omissions = std::move(verdict.omissions),
-                  .reason = join(verdict.changes, "; "),
+                  .reason = formats::join(verdict.changes, "; "),
                   .threads = threadsForNext()};
   const auto same = std::find_if(running_.begin(), running_.end(),
                                  [&](const auto& other) { return other.second.key == running.key; });

@@ -1,11 +1,12 @@
 #include "pipeline/console.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
-#include "pipeline/json_object.h"
+#include "formats/words.h"
 
 namespace bakelight::pipeline {
 namespace {
@@ -14,13 +15,6 @@ constexpr auto kRedraw = std::chrono::milliseconds(100);
 constexpr std::size_t kMaxLabelWidth = 40, kMaxListed = 10;
 constexpr int kBarWidth = 20;
 constexpr const char* kEraseLine = "\r\x1b[K";
-
-template <class... Values>
-std::string formatted(const char* format, Values... values) {
-  std::array<char, 128> text;
-  std::snprintf(text.data(), text.size(), format, values...);
-  return text.data();
-}
 
 std::string inParentheses(const std::string& text) {
   return text.empty() ? "" : " (" + text + ")";
@@ -31,16 +25,16 @@ std::string counted(std::size_t count, const std::string& noun) {
 }
 
 std::string rateText(double rate_per_s, const std::string& unit) {
-  if (rate_per_s >= 1e6) return formatted("%.1fM ", rate_per_s / 1e6) + unit + "/s";
-  if (rate_per_s >= 1e4) return formatted("%.0fk ", rate_per_s / 1e3) + unit + "/s";
-  return formatted("%.0f ", rate_per_s) + unit + "/s";
+  if (rate_per_s >= 1e6) return fmt::format("{:.1f}M {}/s", rate_per_s / 1e6, unit);
+  if (rate_per_s >= 1e4) return fmt::format("{:.0f}k {}/s", rate_per_s / 1e3, unit);
+  return fmt::format("{:.0f} {}/s", rate_per_s, unit);
 }
 
 std::string progressText(const ToolProgress& progress) {
   std::string text = progress.label;
   if (progress.total > 0) {
     const double fraction = std::clamp(progress.done / progress.total, 0.0, 1.0);
-    text.append(" ").append(barText(fraction, kBarWidth)).append(formatted(" %.0f%%", 100 * fraction));
+    text.append(" ").append(barText(fraction, kBarWidth)).append(fmt::format(" {:.0f}%", 100 * fraction));
   }
   if (progress.rate_per_s > 0) text.append("  ").append(rateText(progress.rate_per_s, progress.unit));
   if (progress.left_s >= 0) text.append("  ").append(durationText(progress.left_s)).append(" left");
@@ -50,10 +44,10 @@ std::string progressText(const ToolProgress& progress) {
 }  // namespace
 
 std::string durationText(double seconds) {
-  if (seconds < 59.95) return formatted("%.1f s", seconds);
+  if (seconds < 59.95) return fmt::format("{:.1f} s", seconds);
   const auto whole = std::llround(seconds);
-  if (whole < 3600) return formatted("%lld min %lld s", whole / 60, whole % 60);
-  return formatted("%lld h %lld min", whole / 3600, whole % 3600 / 60);
+  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+  return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
 }
 
 std::string barText(double fraction, int width) {
@@ -160,7 +154,7 @@ void Console::summarize(const BuildResult& result, const OutputFolder& out) {
   add(count[StageStatus::kFailed], "failed");
   add(count[StageStatus::kNotRun], "not run");
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-  line((result.interrupted ? "interrupted: " : "") + join(parts, ", ") + ", in " +
+  line((result.interrupted ? "interrupted: " : "") + formats::join(parts, ", ") + ", in " +
        durationText(elapsed.count()));
 
   std::vector<std::string> delivered;

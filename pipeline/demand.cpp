@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "pipeline/json_object.h"
+#include "formats/words.h"
 
 namespace bakelight::pipeline {
 
@@ -30,7 +30,7 @@ std::set<TaskIndex> Demand::awaitedBy(TaskIndex task) const {
 std::string Demand::userNames(TaskIndex task) const {
   std::set<std::string> names;
   for (const TaskIndex user : users_[task]) names.insert(graph_.tasks[user].stage);
-  return join({names.begin(), names.end()}, " and ");
+  return formats::join({names.begin(), names.end()}, " and ");
 }
 
 std::string Demand::onlyFor(TaskIndex task) const {

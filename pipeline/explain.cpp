@@ -4,9 +4,9 @@
 #include <set>
 #include <utility>
 
+#include "formats/words.h"
 #include "pipeline/companions.h"
 #include "pipeline/demand.h"
-#include "pipeline/json_object.h"
 
 namespace bakelight::pipeline {
 namespace {
@@ -89,7 +89,7 @@ class Teller {
 
   void tellWaiting(TaskIndex task, const std::set<std::string>& waits) {
     std::string reason = "on what ";
-    reason += join(std::vector<std::string>(waits.begin(), waits.end()), " and ");
+    reason += formats::join(std::vector<std::string>(waits.begin(), waits.end()), " and ");
     reason += demand_.undecided(task) ? " will tell" : " will make";
     for (const std::string& change : explainer_.changesBesidesInputs(task)) reason += "; " + change;
     tell(task, State::kWaits, std::move(reason));
@@ -103,11 +103,11 @@ class Teller {
     const Verdict verdict = explainer_.judge(task, entries_);
     entries_[task] = verdict.entry;
     if (verdict.mustRun())
-      tell(task, State::kRun, join(verdict.changes, "; "));
+      tell(task, State::kRun, formats::join(verdict.changes, "; "));
     else if (!verdict.changes.empty())
-      tell(task, State::kFromCache, join(verdict.changes, "; "));
+      tell(task, State::kFromCache, formats::join(verdict.changes, "; "));
     else if (!verdict.misplaced.empty())
-      tell(task, State::kRestore, join(verdict.misplaced, "; "));
+      tell(task, State::kRestore, formats::join(verdict.misplaced, "; "));
     else
       tell(task, State::kUpToDate);
   }

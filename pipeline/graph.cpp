@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "formats/error.h"
-#include "pipeline/json_object.h"
+#include "formats/words.h"
 
 namespace bakelight::pipeline {
 using formats::Json;
@@ -51,7 +51,7 @@ class AssetStages {
                                             : ErrorPlace{asset_.file, "", "/deliver/" + std::to_string(i)};
       problems_.add(Error(from_options ? ExitStatus::kUsage : ExitStatus::kBadInput, place,
                           "the recipe " + recipe_.name + " delivers no \"" + asked[i] + "\"",
-                          "one of: " + join(all, ", "), suggestion(asked[i], all)));
+                          "one of: " + formats::join(all, ", "), formats::suggestion(asked[i], all)));
     }
   }
 
@@ -91,7 +91,7 @@ class AssetStages {
       if (recipe_.stages.count(stage) == 0)
         problems_.add(badInput({asset_.file, "", at("stages", stage)},
                                "the recipe " + recipe_.name + " has no stage \"" + stage + "\"",
-                               "one of: " + join(stages, ", "), suggestion(stage, stages)));
+                               "one of: " + formats::join(stages, ", "), formats::suggestion(stage, stages)));
   }
 
   void addStage(const RecipeStage& stage) {
@@ -201,7 +201,7 @@ class AssetStages {
       return;
     }
     problems_.add(badInput(place, "the tool " + tool.tool + " has no " + direction + " \"" + name + "\"",
-                           "one of: " + join(names, ", "), suggestion(name, names)));
+                           "one of: " + formats::join(names, ", "), formats::suggestion(name, names)));
   }
 
   // "" if not known (its maker is left out and not installed).
@@ -342,8 +342,8 @@ void checkSettings(const Graph& graph, const std::vector<Setting>& settings, Pro
   for (const Setting& setting : settings)
     if (stages.count(setting.stage) == 0)
       problems.add(Error(ExitStatus::kUsage, {setting.option, "", ""},
-                         "there is no stage \"" + setting.stage + "\"", "one of: " + join(names, ", "),
-                         suggestion(setting.stage, names)));
+                         "there is no stage \"" + setting.stage + "\"",
+                         "one of: " + formats::join(names, ", "), formats::suggestion(setting.stage, names)));
 }
 
 }  // namespace

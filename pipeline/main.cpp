@@ -10,6 +10,7 @@
 
 #include "formats/error.h"
 #include "formats/json.h"
+#include "formats/words.h"
 #include "pipeline/commands.h"
 #include "pipeline/problems.h"
 

@@ -19,6 +19,10 @@ void Problems::add(Error error) {
   if (!known) errors_.push_back(std::move(error));
 }
 
+void Problems::add(const std::vector<Error>& errors) {
+  for (const Error& error : errors) add(error);
+}
+
 void Problems::throwIfAny() const {
   if (any()) throw ProblemsFound(errors_);
 }

@@ -25,6 +25,7 @@ class ProblemsFound : public std::exception {
 class Problems {
  public:
   void add(Error error);
+  void add(const std::vector<Error>& errors);
 
   // Runs `step`; what it throws is kept instead. Returns whether it went through.
   template <class Step>

@@ -5,11 +5,13 @@
 #include <utility>
 
 #include "formats/error.h"
-#include "pipeline/json_object.h"
+#include "formats/json_reader.h"
+#include "formats/words.h"
 #include "pipeline/problems.h"
 
 namespace bakelight::pipeline {
 using formats::Json;
+using formats::JsonReader;
 namespace {
 
 constexpr const char* kWireSyntax = "\"stage.output\" or \"asset.file\", for example \"simplify.mesh\"";
@@ -21,7 +23,7 @@ std::vector<std::string> keysOf(const Map& map) {
   return keys;
 }
 
-Wire parseWire(const JsonObject& object, const std::string& key) {
+Wire parseWire(const JsonReader& object, const std::string& key) {
   const std::string text = object.text(key);
   const std::size_t dot = text.find('.');
   if (dot == std::string::npos || dot == 0 || dot + 1 == text.size())
@@ -29,8 +31,8 @@ Wire parseWire(const JsonObject& object, const std::string& key) {
   return {text.substr(0, dot), text.substr(dot + 1)};
 }
 
-AssetPort parseAssetPort(const JsonObject& object, Problems& problems) {
-  object.allowKeys({"kind", "required", "endings", "default"}, problems);
+AssetPort parseAssetPort(const JsonReader& object, Problems& problems) {
+  problems.add(object.unknownKeys({"kind", "required", "endings", "default"}));
   AssetPort port{object.text("kind"), object.boolean("required", true), object.texts("endings")};
   if (!object.has("default")) return port;
   object.object("default");
@@ -38,18 +40,14 @@ AssetPort parseAssetPort(const JsonObject& object, Problems& problems) {
   return port;
 }
 
-LeaveOutRule parseRule(const Json& json, const std::string& file, const std::string& pointer,
-                       Problems& problems) {
-  const JsonObject object(json, file, pointer);
-  object.allowKeys({"what", "figure", "at_most", "error", "set", "omit"}, problems);
+LeaveOutRule parseRule(const JsonReader& object, Problems& problems) {
+  problems.add(object.unknownKeys({"what", "figure", "at_most", "error", "set", "omit"}));
   LeaveOutRule rule{.what = object.text("what"), .figure = parseWire(object, "figure")};
   rule.error = object.has("error") ? parseWire(object, "error") : rule.figure;
-  if (!object.has("at_most") || !object.value("at_most").is_number())
-    throw badInput(object.placeOf("at_most"), "the threshold is no number", "a number");
-  rule.at_most = object.value("at_most").get<double>();
-  const JsonObject set = object.object("set");
+  rule.at_most = object.number("at_most");
+  const JsonReader set = object.object("set");
   for (const std::string& parameter : set.keys()) {
-    const JsonObject values = set.object(parameter);
+    const JsonReader values = set.object(parameter);
     for (const std::string& value : values.keys()) rule.set[parameter][value] = values.text(value);
   }
   rule.omit = object.boolean("omit", false);
@@ -62,23 +60,23 @@ LeaveOutRule parseRule(const Json& json, const std::string& file, const std::str
   return rule;
 }
 
-void parseParameters(const JsonObject& object, RecipeStage& stage, Problems& problems) {
-  const JsonObject parameters = object.object("parameters");  // must be an object if it is there
+void parseParameters(const JsonReader& object, RecipeStage& stage, Problems& problems) {
+  const JsonReader parameters = object.object("parameters");  // must be an object if it is there
   for (const std::string& name : parameters.keys()) {
     if (!parameters.value(name).is_object()) {
       stage.parameters[name] = parameters.value(name);
       continue;
     }
-    const JsonObject link = parameters.object(name);
-    link.allowKeys({"same_as"}, problems);
+    const JsonReader link = parameters.object(name);
+    problems.add(link.unknownKeys({"same_as"}));
     problems.attempt([&] { stage.linked[name] = parseWire(link, "same_as"); });
   }
 }
 
-RecipeStage parseStage(const std::string& name, const JsonObject& object, Problems& problems) {
-  object.allowKeys({"tool", "inputs", "outputs", "parameters", "leave_out"}, problems);
+RecipeStage parseStage(const std::string& name, const JsonReader& object, Problems& problems) {
+  problems.add(object.unknownKeys({"tool", "inputs", "outputs", "parameters", "leave_out"}));
   RecipeStage stage{.name = name, .tool = object.text("tool", name)};
-  const JsonObject inputs = object.object("inputs"), outputs = object.object("outputs");
+  const JsonReader inputs = object.object("inputs"), outputs = object.object("outputs");
   for (const std::string& port : inputs.keys())
     problems.attempt([&] { stage.inputs[port] = parseWire(inputs, port); });
   for (const std::string& port : outputs.keys())
@@ -89,15 +87,8 @@ RecipeStage parseStage(const std::string& name, const JsonObject& object, Proble
                        "a file name without a folder");
     });
   parseParameters(object, stage, problems);
-  if (!object.has("leave_out")) return stage;
-  const Json& rules = object.value("leave_out");
-  const ErrorPlace place = object.placeOf("leave_out");
-  if (!rules.is_array()) throw badInput(place, "is no list", "a list of rules");
-  for (std::size_t i = 0; i < rules.size(); ++i)
-    problems.attempt([&] {
-      stage.leave_out.push_back(
-          parseRule(rules[i], place.file, place.pointer + "/" + std::to_string(i), problems));
-    });
+  for (const JsonReader& rule : object.items("leave_out"))
+    problems.attempt([&] { stage.leave_out.push_back(parseRule(rule, problems)); });
   return stage;
 }
 
@@ -109,15 +100,16 @@ void checkWire(const Recipe& recipe, const Wire& wire, const ErrorPlace& place, 
   for (const auto& [name, stage] : recipe.stages)
     for (const auto& [port, file] : stage.outputs) candidates.push_back(Wire{name, port}.text());
   if (std::find(candidates.begin(), candidates.end(), wire.text()) == candidates.end())
-    throw badInput(place, "there is no \"" + wire.text() + "\"", "one of: " + join(candidates, ", "),
-                   suggestion(wire.text(), candidates));
+    throw badInput(place, "there is no \"" + wire.text() + "\"", "one of: " + formats::join(candidates, ", "),
+                   formats::suggestion(wire.text(), candidates));
 }
 
 // That the stage exists of which `name` names a parameter or a figure.
 void checkStage(const Recipe& recipe, const Wire& name, const ErrorPlace& place) {
   if (recipe.stages.count(name.stage) == 0)
     throw badInput(place, "there is no stage \"" + name.stage + "\"",
-                   "one of: " + join(recipe.stageNames(), ", "), suggestion(name.stage, recipe.stageNames()));
+                   "one of: " + formats::join(recipe.stageNames(), ", "),
+                   formats::suggestion(name.stage, recipe.stageNames()));
 }
 
 // That `figure` is told whatever is left out.
@@ -202,11 +194,11 @@ std::vector<std::string> Recipe::deliverableNames() const {
 
 Recipe parseRecipe(const Json& json, const std::string& name, const std::string& file) {
   Problems problems;
-  const JsonObject root(json, file);
-  root.allowKeys({"summary", "asset", "stages", "deliver", "report"}, problems);
+  const JsonReader root(json, file);
+  problems.add(root.unknownKeys({"summary", "asset", "stages", "deliver", "report"}));
 
   Recipe recipe{.name = name, .summary = root.text("summary", ""), .file = file};
-  const JsonObject ports = root.object("asset"), stages = root.object("stages"),
+  const JsonReader ports = root.object("asset"), stages = root.object("stages"),
                    deliver = root.object("deliver");
   for (const std::string& port : ports.keys())
     problems.attempt([&] { recipe.asset[port] = parseAssetPort(ports.object(port), problems); });
@@ -240,7 +232,7 @@ std::vector<std::string> stagesInOrder(const Recipe& recipe) {
     });
     if (ready == left.end())
       throw badInput({recipe.file, "", "/stages"},
-                     "the stages " + join({left.begin(), left.end()}, ", ") + " wait for each other",
+                     "the stages " + formats::join({left.begin(), left.end()}, ", ") + " wait for each other",
                      "wiring without a cycle");
     order.push_back(*ready);
     placed.insert(*ready);
@@ -280,7 +272,7 @@ Json RecipeBook::whole(const std::string& name, const ErrorPlace& place,
   const std::filesystem::path path = fileOf(name);
   if (!disk_.isFile(path))
     throw badInput(place, "there is no recipe \"" + name + "\" in " + folder_.string(),
-                   "one of: " + join(names(), ", "), suggestion(name, names()));
+                   "one of: " + formats::join(names(), ", "), formats::suggestion(name, names()));
   Json own = formats::parseJson(disk_.read(path), path.string());
   if (!own.is_object() || !own.contains("extends")) return own;
   const ErrorPlace extends{path.string(), "", "/extends"};
@@ -289,7 +281,8 @@ Json RecipeBook::whole(const std::string& name, const ErrorPlace& place,
   const auto base = own["extends"].get<std::string>();
   extending.push_back(name);
   if (std::find(extending.begin(), extending.end(), base) != extending.end())
-    throw badInput(extends, "recipes build on each other in a circle: " + join(extending, ", ") + ", " + base,
+    throw badInput(extends,
+                   "recipes build on each other in a circle: " + formats::join(extending, ", ") + ", " + base,
                    "one that builds on none");
   own.erase("extends");
   return merged(whole(base, extends, std::move(extending)), own, path.string(), "");

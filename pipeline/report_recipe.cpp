@@ -6,6 +6,7 @@
 
 namespace bakelight::pipeline {
 using formats::Json;
+using formats::JsonReader;
 namespace {
 
 // Settings from { stage: { parameter: value } }.
@@ -19,15 +20,15 @@ std::vector<Setting> settingsOf(const Json& set, const std::string& origin) {
   return settings;
 }
 
-std::vector<Setting> settingsAt(const JsonObject& object, const char* key) {
-  const JsonObject stages = object.object(key);
+std::vector<Setting> settingsAt(const JsonReader& object, const char* key) {
+  const JsonReader stages = object.object(key);
   for (const std::string& stage : stages.keys()) stages.object(stage);
   const ErrorPlace place = object.placeOf(key);
   return object.has(key) ? settingsOf(object.value(key), place.file + ", at " + place.pointer)
                          : std::vector<Setting>();
 }
 
-Wire wireAt(const JsonObject& object, const std::string& key) {
+Wire wireAt(const JsonReader& object, const std::string& key) {
   const std::string text = object.text(key);
   const std::size_t dot = text.find('.');
   return {text.substr(0, dot), dot == std::string::npos ? "" : text.substr(dot + 1)};
@@ -57,9 +58,8 @@ ReportRecipe::ReportRecipe(const Recipe& recipe, Problems& problems)
   if (recipe.report.empty())
     throw badInput({recipe.file, "", "/report"}, "the recipe does not say how its packs are measured",
                    "a section \"report\" (docs/REPORT.md)", "use a recipe that has one");
-  object_.allowKeys(
-      {"pack", "frame", "vary", "frame_parameters", "cameras", "reference", "comparison", "truth", "chain"},
-      problems);
+  problems.add(object_.unknownKeys(
+      {"pack", "frame", "vary", "frame_parameters", "cameras", "reference", "comparison", "truth", "chain"}));
 }
 
 Wire ReportRecipe::pack() const {
@@ -78,7 +78,7 @@ std::vector<std::string> ReportRecipe::vary() const {
   return object_.texts("vary");
 }
 
-JsonObject ReportRecipe::cameras() const {
+JsonReader ReportRecipe::cameras() const {
   return object_.object("cameras");
 }
 
@@ -87,10 +87,10 @@ Json ReportRecipe::frameParameters() const {
 }
 
 ReportRecipe::Reference ReportRecipe::reference(Problems& problems) const {
-  const JsonObject object = object_.object("reference");
-  object.allowKeys({"tool", "inputs", "outputs"}, problems);
+  const JsonReader object = object_.object("reference");
+  problems.add(object.unknownKeys({"tool", "inputs", "outputs"}));
   Reference reference{object.text("tool"), inputsOf(object), "", ""};
-  const JsonObject outputs = object.object("outputs");
+  const JsonReader outputs = object.object("outputs");
   if (outputs.keys().size() != 1)
     throw badInput(object.placeOf("outputs"), "it has " + std::to_string(outputs.keys().size()) + " outputs",
                    "one, { \"image\": \"reference.exr\" }");
@@ -104,13 +104,13 @@ Comparison ReportRecipe::comparison(Toolbox& tools, Problems& problems) const {
     throw badInput({recipe_.file, "", "/report"}, "the recipe does not say what compares its packs",
                    "\"comparison\": { \"tool\": …, \"outputs\": … } (docs/REPORT.md)",
                    R"(add "comparison": { "tool": "report", "outputs": { "report": "report.json" } })");
-  const JsonObject object = object_.object("comparison");
-  object.allowKeys({"tool", "outputs"}, problems);
+  const JsonReader object = object_.object("comparison");
+  problems.add(object.unknownKeys({"tool", "outputs"}));
   Comparison comparison{object.text("tool"), "", "", {}};
   const formats::ToolDescription& tool = tools.require(comparison.tool, object.placeOf("tool")).description;
   comparison.plan_input = portOfKind(tool.inputs, kPlanKind, object.placeOf("tool"));
   comparison.figures_output = portOfKind(tool.outputs, kFiguresKind, object.placeOf("tool"));
-  const JsonObject outputs = object.object("outputs");
+  const JsonReader outputs = object.object("outputs");
   for (const std::string& port : outputs.keys()) {
     if (std::none_of(tool.outputs.begin(), tool.outputs.end(),
                      [&](const formats::PortDescription& output) { return output.name == port; }))
@@ -129,21 +129,17 @@ ReportRecipe::Link ReportRecipe::truth() const {
 
 std::vector<ReportRecipe::Link> ReportRecipe::chain(Problems& problems) const {
   std::vector<Link> links;
-  if (!object_.has("chain")) return links;
-  const Json& list = object_.value("chain");
-  if (!list.is_array()) throw badInput(object_.placeOf("chain"), "is no list", "a list of links");
-  for (std::size_t i = 0; i < list.size(); ++i)
+  for (const JsonReader& entry : object_.items("chain"))
     problems.attempt([&] {
-      const JsonObject entry(list[i], recipe_.file, "/report/chain/" + std::to_string(i));
-      entry.allowKeys({"cause", "set", "reference", "inputs"}, problems);
+      problems.add(entry.unknownKeys({"cause", "set", "reference", "inputs"}));
       links.push_back(link(entry, entry.text("cause")));
     });
   return links;
 }
 
-std::map<std::string, Wire> ReportRecipe::inputsOf(const JsonObject& object) const {
+std::map<std::string, Wire> ReportRecipe::inputsOf(const JsonReader& object) const {
   std::map<std::string, Wire> wires;
-  const JsonObject inputs = object.object("inputs");
+  const JsonReader inputs = object.object("inputs");
   for (const std::string& port : inputs.keys()) {
     const Wire wire = wires[port] = wireAt(inputs, port);
     if (wire.stage != kView && wire.stage != kTruth && !makes(recipe_, wire) &&
@@ -155,7 +151,7 @@ std::map<std::string, Wire> ReportRecipe::inputsOf(const JsonObject& object) con
   return wires;
 }
 
-ReportRecipe::Link ReportRecipe::link(const JsonObject& object, const std::string& cause) const {
+ReportRecipe::Link ReportRecipe::link(const JsonReader& object, const std::string& cause) const {
   Link link{cause, settingsAt(object, "set"), {}, inputsOf(object)};
   if (object.has("reference")) {
     object.object("reference");

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "formats/json.h"
+#include "formats/json_reader.h"
 #include "pipeline/asset.h"
-#include "pipeline/json_object.h"
 #include "pipeline/problems.h"
 #include "pipeline/recipe.h"
 #include "pipeline/sweep.h"
@@ -45,7 +45,7 @@ class ReportRecipe {
   Wire pack() const;
   std::string frameStage() const;  // "" if there is none
   std::vector<std::string> vary() const;
-  JsonObject cameras() const;
+  formats::JsonReader cameras() const;
   formats::Json frameParameters() const;
   Reference reference(Problems& problems) const;
   Comparison comparison(Toolbox& tools, Problems& problems) const;
@@ -53,11 +53,11 @@ class ReportRecipe {
   std::vector<Link> chain(Problems& problems) const;
 
  private:
-  std::map<std::string, Wire> inputsOf(const JsonObject& object) const;
-  Link link(const JsonObject& object, const std::string& cause) const;
+  std::map<std::string, Wire> inputsOf(const formats::JsonReader& object) const;
+  Link link(const formats::JsonReader& object, const std::string& cause) const;
 
   const Recipe& recipe_;
-  JsonObject object_;
+  formats::JsonReader object_;
 };
 
 }  // namespace bakelight::pipeline

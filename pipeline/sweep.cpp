@@ -7,12 +7,13 @@
 
 #include "formats/error.h"
 #include "formats/file.h"
-#include "pipeline/json_object.h"
+#include "formats/json_reader.h"
 #include "pipeline/report_recipe.h"
 
 namespace bakelight::pipeline {
 namespace fs = std::filesystem;
 using formats::Json;
+using formats::JsonReader;
 namespace {
 
 std::string fileName(std::string name) {
@@ -61,7 +62,7 @@ class Planner {
 
   std::vector<std::string> vary() const {
     if (!options_.vary.empty()) return options_.vary;
-    const JsonObject own(base_.report, base_.file, "/report");
+    const JsonReader own(base_.report, base_.file, "/report");
     return own.has("vary") ? own.texts("vary") : how_.vary();
   }
 
@@ -174,8 +175,8 @@ class Planner {
     std::map<std::string, fs::path> lights = base_.report_lights;
     const bool own_light = lights.empty();
     if (own_light) lights["light"] = fs::path();
-    const JsonObject own(base_.report, base_.file, "/report");
-    const JsonObject cameras = own.has("cameras") ? own.object("cameras") : how_.cameras();
+    const JsonReader own(base_.report, base_.file, "/report");
+    const JsonReader cameras = own.has("cameras") ? own.object("cameras") : how_.cameras();
     const std::optional<double> windowing = playersWindowing();
     for (const auto& [light, path] : lights)
       for (const std::string& camera : cameras.keys()) {

@@ -1,11 +1,11 @@
 #include "transport/ray_scene.h"
 
 #include <embree3/rtcore.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <new>
@@ -57,10 +57,8 @@ formats::Float3 scaled(const formats::Float3& v, float scale) {
 void requireTraceableScale(const formats::TriangleMesh& mesh, const std::string& file) {
   const float farthest = farthestCoordinate(mesh);
   if (farthest == 0 || (farthest >= kSmallestCoordinate && farthest <= kLargestCoordinate)) return;
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3g", static_cast<double>(farthest));
   throw badInput({file, "", ""},
-                 "the mesh's farthest coordinate is " + std::string(text.data()) +
+                 fmt::format("the mesh's farthest coordinate is {:.3g}", farthest) +
                      ", beyond what can be traced in single precision",
                  "from 1e-15 to 1e15", "scale the mesh, for example to a size of 1");
 }

@@ -1,9 +1,10 @@
 #include "transport/windowing.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -116,9 +117,7 @@ double minimumOverMean(const ShLight& light) {
 
 std::string ringingWarning(double minimum_over_mean, double lambda) {
   if (minimum_over_mean >= kLoudRinging) return "";
-  std::array<char, 32> figure{};
-  std::snprintf(figure.data(), figure.size(), "%.2g", minimum_over_mean);
-  return "the light rings: its luminance falls to " + std::string(figure.data()) +
+  return "the light rings: its luminance falls to " + fmt::format("{:.2g}", minimum_over_mean) +
          " times its mean, far below zero, so surfaces that face there turn too dark or black; " +
          (lambda > 0 ? "a stronger \"windowing\"" : "\"windowing\": 0.01, or \"auto\"") +
          " softens it, and so does a larger sun or lamp, or a higher order";

@@ -55,7 +55,7 @@ void runPlayer(const fs::path& executable, const fs::path& pack_path, const Play
   option("cube-resolution", std::to_string(lights.cube_resolution));
   option("auto-exposure", settings.auto_exposure ? "true" : "false");
   option("exposure-ev", std::to_string(settings.exposure_ev));
-  option("background", formats::backgroundNames()[static_cast<std::size_t>(settings.background)]);
+  option("background", formats::wordFor(formats::kBackgrounds, settings.background));
   const int status = std::system(command.c_str());
   if (status != 0) throw std::runtime_error("failed (" + std::to_string(status) + "): " + command);
 }

@@ -1,106 +1,84 @@
 #include "tests/stages/golden_case.h"
 
+#include <fmt/format.h>
 #include <sys/wait.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "formats/error.h"
 #include "formats/file.h"
-#include "formats/json.h"
+#include "formats/json_reader.h"
 #include "formats/mesh_ply.h"
+#include "formats/words.h"
 #include "tests/stages/scenes.h"
 
 namespace bakelight::stages {
 
-using formats::Json;
+using formats::JsonReader;
 namespace fs = std::filesystem;
 
 namespace {
 
 // --- case.json ---
 
-class CaseReader {
- public:
-  explicit CaseReader(std::string file) : file_(std::move(file)) {}
+std::string filledText(const JsonReader& object, const char* key) {
+  const JsonReader text = object.at(key, "a text");
+  if (text.text().empty()) throw text.error("is empty", "a text");
+  return text.text();
+}
 
-  GoldenCase read(const Json& json) const {
-    checkKeys(json, "", {"about", "inputs", "commands", "scratch", "outputs"});
-    text(json, "about", "");
-    GoldenCase result;
-    for (std::size_t i = 0; i < list(json, "inputs").size(); ++i)
-      result.inputs.push_back(input(json["inputs"][i], "/inputs/" + std::to_string(i)));
-    for (const Json& command : list(json, "commands"))
-      result.commands.push_back(command.get<std::vector<std::string>>());
-    if (json.contains("scratch")) result.scratch = json["scratch"].get<std::vector<std::string>>();
-    for (std::size_t i = 0; i < list(json, "outputs").size(); ++i)
-      result.outputs.push_back(output(json["outputs"][i], "/outputs/" + std::to_string(i)));
-    return result;
-  }
+std::vector<JsonReader> filledList(const JsonReader& object, const char* key) {
+  std::vector<JsonReader> items = object.at(key, "a list").items();
+  if (items.empty()) throw object.at(key).error("is empty", "a list");
+  return items;
+}
 
- private:
-  Error error(const std::string& pointer, const std::string& what, const std::string& expected = "") const {
-    return badInput({file_, "", pointer}, what, expected);
-  }
+CaseInput inputFrom(const JsonReader& json) {
+  json.allowKeys({"file", "scene", "subdivisions", "copy"});
+  CaseInput input{filledText(json, "file"), json.text("scene", ""), json.text("copy", ""),
+                  static_cast<int>(json.whole("subdivisions", 0))};
+  if (input.scene.empty() == input.copy.empty()) throw json.error("has not exactly one of scene and copy");
+  return input;
+}
 
-  void checkKeys(const Json& json, const std::string& pointer, const std::set<std::string>& known) const {
-    if (!json.is_object()) throw error(pointer, "is no object");
-    for (const auto& [key, value] : json.items())
-      if (!known.contains(key))
-        throw error(formats::childPointer(pointer, key), "is an unknown key",
-                    formats::nearestName(key, known));
-  }
+formats::CompareLimits limitsFrom(const JsonReader& json) {
+  formats::CompareLimits limits;
+  for (const auto& [name, value] : {std::pair("distance", &limits.distance),
+                                    {"normal", &limits.normal},
+                                    {"maximum", &limits.maximum},
+                                    {"rms", &limits.rms},
+                                    {"relative", &limits.relative}})
+    json.read(name, *value, {.minimum = 0});
+  limits.ignored_keys = json.texts("ignored_keys");
+  json.refuseOthers();
+  return limits;
+}
 
-  std::string text(const Json& json, const char* key, const std::string& pointer) const {
-    if (!json.contains(key) || !json[key].is_string() || json[key].get<std::string>().empty())
-      throw error(formats::childPointer(pointer, key), "is missing", "a text");
-    return json[key].get<std::string>();
-  }
+CaseOutput outputFrom(const JsonReader& json) {
+  json.allowKeys({"file", "kind", "limits", "reason"});
+  CaseOutput output{filledText(json, "file"), filledText(json, "kind"), {}, ""};
+  const auto& kinds = formats::comparedKinds();
+  if (std::find(kinds.begin(), kinds.end(), output.kind) == kinds.end())
+    throw json.at("kind").error("there is no comparison for " + output.kind, formats::join(kinds, ", "));
+  if (!json.has("limits")) return output;
+  output.limits = limitsFrom(json.at("limits"));
+  output.reason = filledText(json, "reason");
+  return output;
+}
 
-  const Json& list(const Json& json, const char* key) const {
-    if (!json.contains(key) || !json[key].is_array() || json[key].empty())
-      throw error(formats::childPointer("", key), "is missing or empty", "a list");
-    return json[key];
-  }
-
-  CaseInput input(const Json& json, const std::string& pointer) const {
-    checkKeys(json, pointer, {"file", "scene", "subdivisions", "copy"});
-    CaseInput result{text(json, "file", pointer), json.value("scene", ""), json.value("copy", ""),
-                     json.value("subdivisions", 0)};
-    if (result.scene.empty() == result.copy.empty())
-      throw error(pointer, "has not exactly one of scene and copy");
-    return result;
-  }
-
-  CaseOutput output(const Json& json, const std::string& pointer) const {
-    checkKeys(json, pointer, {"file", "kind", "limits", "reason"});
-    CaseOutput result{text(json, "file", pointer), text(json, "kind", pointer), {}, ""};
-    const auto& kinds = formats::comparedKinds();
-    if (std::find(kinds.begin(), kinds.end(), result.kind) == kinds.end())
-      throw error(pointer + "/kind", "there is no comparison for " + result.kind);
-    if (!json.contains("limits")) return result;
-    result.limits = limits(json["limits"], pointer + "/limits");
-    result.reason = text(json, "reason", pointer);
-    return result;
-  }
-
-  formats::CompareLimits limits(const Json& json, const std::string& pointer) const {
-    checkKeys(json, pointer, {"distance", "normal", "maximum", "rms", "relative", "ignored_keys"});
-    formats::CompareLimits result;
-    result.distance = json.value("distance", 0.0);
-    result.normal = json.value("normal", 0.0);
-    result.maximum = json.value("maximum", 0.0);
-    result.rms = json.value("rms", 0.0);
-    result.relative = json.value("relative", 0.0);
-    result.ignored_keys = json.value("ignored_keys", std::vector<std::string>());
-    return result;
-  }
-
-  std::string file_;
-};
+GoldenCase caseFrom(const JsonReader& json) {
+  json.allowKeys({"about", "inputs", "commands", "scratch", "outputs"});
+  filledText(json, "about");
+  GoldenCase result;
+  for (const JsonReader& input : filledList(json, "inputs")) result.inputs.push_back(inputFrom(input));
+  for (const JsonReader& command : filledList(json, "commands")) result.commands.push_back(command.texts());
+  result.scratch = json.texts("scratch");
+  for (const JsonReader& output : filledList(json, "outputs")) result.outputs.push_back(outputFrom(output));
+  return result;
+}
 
 // --- running ---
 
@@ -147,7 +125,8 @@ void checkFiles(const fs::path& folder, const std::set<std::string>& expected, c
 
 GoldenCase readCase(const fs::path& folder) {
   const fs::path file = folder / "case.json";
-  GoldenCase result = CaseReader(file.string()).read(formats::readJson(file));
+  const formats::Json json = formats::readJson(file);
+  GoldenCase result = caseFrom(JsonReader(json, file.string()));
   result.folder = folder;
   return result;
 }
@@ -205,9 +184,8 @@ std::string asText(const OutputComparison& output) {
                      std::to_string(comparison.compared_values) + " values compared\n";
   for (const std::string& mismatch : comparison.mismatches) text.append("  ✗ ").append(mismatch).append("\n");
   for (const formats::Difference& difference : comparison.differences) {
-    char figures[96];
-    std::snprintf(figures, sizeof figures, "%12.4g of %-12.4g", difference.measured, difference.limit);
-    text += std::string(difference.passes() ? "  ✓ " : "  ✗ ") + figures + difference.what + "\n";
+    text += fmt::format("  {} {:12.4g} of {:<12.4g}{}\n", difference.passes() ? "✓" : "✗",
+                        difference.measured, difference.limit, difference.what);
   }
   return text;
 }

@@ -1,8 +1,9 @@
 #include "tools/atlas/check_report.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 namespace bakelight::atlas {
 
@@ -51,19 +52,16 @@ CheckReport reportOf(const formats::TriangleMesh& mesh, int resolution, int gutt
 
 std::string asText(const CheckReport& report) {
   constexpr std::size_t kNameWidth = 26;
-  std::ostringstream text;
-  text.precision(6);
+  std::string text;
   for (const auto& [name, value] : report.figures) {
     std::string words = name;
     std::replace(words.begin(), words.end(), '_', ' ');
+    const std::string shown =
+        value.is_number_float() ? fmt::format("{:g}", value.get<double>()) : value.dump();
     words.resize(kNameWidth, ' ');
-    text << words;
-    if (value.is_number_float())
-      text << value.get<double>() << '\n';
-    else
-      text << value.dump() << '\n';
+    text.append(words).append(shown).append("\n");
   }
-  return text.str();
+  return text;
 }
 
 }  // namespace bakelight::atlas

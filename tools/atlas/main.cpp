@@ -13,7 +13,7 @@
 int main(int argc, char** argv) {
   using namespace bakelight;
   std::filesystem::path mesh_path, cuts_path, atlas_path, charts_path, maps_path;
-  atlas::OptionWords words;
+  atlas::GivenOptions given;
   stage::Tool tool("atlas", "Divides a mesh into charts, lays them flat and packs them into a square");
   tool.input("mesh", "mesh", mesh_path, "Mesh of any format; its triangles are taken as they are")
       .input("cuts", "atlas_cuts", cuts_path, "JSON: edges that no chart crosses, and corners of polygons",
@@ -24,16 +24,15 @@ int main(int argc, char** argv) {
               "Chart of each triangle, and where triangles and vertices come from", false)
       .output("maps", "image", maps_path,
               "EXR: position, normal, tangent, area, triangle, chart of each texel", false);
-  atlas::declareOptions(tool, words);
+  atlas::declareOptions(tool, given);
   return tool.run(argc, argv, [&](stage::Run& run) {
     const atlas::MeshFile file = atlas::readMeshFile(mesh_path);
     for (const std::string& note : file.notes) run.warn(note);
     atlas::UserCuts cuts{{}, cuts_path.string(), file.marked_edges};
     if (!cuts_path.empty()) cuts.cuts = atlas::readCuts(cuts_path);
-    if (words.texcoords == "own" && !cuts_path.empty())
-      run.warn("the cuts are not used, as texcoords is own");
-    const atlas::AtlasOptions options = atlas::finishedOptions(words);
-    const atlas::AtlasResult result = words.texcoords == "own"
+    if (given.own_texcoords && !cuts_path.empty()) run.warn("the cuts are not used, as texcoords is own");
+    const atlas::AtlasOptions options = atlas::finishedOptions(given);
+    const atlas::AtlasResult result = given.own_texcoords
                                           ? atlas::ownAtlas(file.mesh, options, mesh_path.string())
                                           : atlas::makeAtlas(file.mesh, cuts, options, mesh_path.string());
     formats::writePly(atlas_path, result.atlas.mesh);

@@ -8,19 +8,27 @@ namespace {
 // What filter kernels of 9 × 9 texels reach beyond a chart's edge.
 constexpr int kProjectionBorder = 4;
 
+constexpr formats::Word<bool> kTexcoords[] = {{"new", false}, {"own", true}};
+constexpr formats::Word<bool> kSegmentations[] = {{"automatic", false}, {"cuts", true}};
+constexpr formats::Word<Parameterization> kParameterizations[] = {
+    {"free", Parameterization::kFree},
+    {"convex", Parameterization::kConvex},
+    {"projection", Parameterization::kProjection}};
+constexpr formats::Word<bool> kPresets[] = {{"few_charts", false}, {"low_distortion", true}};
+
 }  // namespace
 
-void declareOptions(stage::Tool& tool, OptionWords& words) {
-  AtlasOptions& options = words.options;
-  tool.parameter("texcoords", words.texcoords, {"new", "own"},
+void declareOptions(stage::Tool& tool, GivenOptions& given) {
+  AtlasOptions& options = given.options;
+  tool.parameter("texcoords", given.own_texcoords, kTexcoords,
                  "Whether the mesh's own texture coordinates are taken: an error if they are no valid atlas")
-      .parameter("segmentation", words.segmentation, {"automatic", "cuts"},
+      .parameter("segmentation", options.cuts_only, kSegmentations,
                  "Charts: automatic, within what cuts and creases leave; or just what the cuts leave")
-      .parameter("parameterisation", words.parameterization, {"free", "convex", "projection"},
+      .parameter("parameterisation", options.parameterization, kParameterizations,
                  "Charts with free borders and least distortion, convex polygons on a circle, or "
                  "orthographic projections")
-      .parameter("preset", words.preset, {"few_charts", "low_distortion"}, "What max_stretch 0 stands for")
-      .parameter("max_stretch", words.max_stretch, {0, 100}, "",
+      .parameter("preset", given.low_distortion, kPresets, "What max_stretch 0 stands for")
+      .parameter("max_stretch", given.max_stretch, {0, 100}, "",
                  "Largest L2 stretch of a chart, 1 = none, 4 times as much above 1 where it has less than "
                  "1/400 of the area; 0: by preset (free "
                  "borders 1.04, 1.005; convex "
@@ -37,25 +45,20 @@ void declareOptions(stage::Tool& tool, OptionWords& words) {
       .parameter("resolution", options.resolution, {16, 16384}, "texels", "Side of the square")
       .parameter("gutter", options.gutter, {0, 64}, "texels", "Free ones between any two charts")
       .parameter(
-          "border", words.border, {-1, 64}, "texels",
+          "border", given.border, {-1, 64}, "texels",
           "Around each chart, its own, with the neighbouring surface in them; -1: 4 for projection, else 0");
 }
 
-AtlasOptions finishedOptions(const OptionWords& words) {
-  AtlasOptions options = words.options;
-  if (words.max_stretch > 0 && words.max_stretch < 1)
+AtlasOptions finishedOptions(const GivenOptions& given) {
+  AtlasOptions options = given.options;
+  if (given.max_stretch > 0 && given.max_stretch < 1)
     throw Error(ExitStatus::kUsage, {"", "max_stretch", ""}, "no chart has an L2 stretch below 1",
                 "1 or more, or 0 for what the preset says");
-  options.cuts_only = words.segmentation == "cuts";
-  options.parameterization = words.parameterization == "convex"       ? Parameterization::kConvex
-                             : words.parameterization == "projection" ? Parameterization::kProjection
-                                                                      : Parameterization::kFree;
-  const bool is_convex = options.parameterization == Parameterization::kConvex,
-             is_low = words.preset == "low_distortion";
-  options.max_stretch = words.max_stretch > 0 ? words.max_stretch
+  const bool is_convex = options.parameterization == Parameterization::kConvex, is_low = given.low_distortion;
+  options.max_stretch = given.max_stretch > 0 ? given.max_stretch
                         : is_convex           ? (is_low ? kLowDistortionPolygons : kFewPolygons)
                                               : (is_low ? kLowDistortion : kFewCharts);
-  options.border = words.border >= 0                                           ? words.border
+  options.border = given.border >= 0                                           ? given.border
                    : options.parameterization == Parameterization::kProjection ? kProjectionBorder
                                                                                : 0;
   return options;

@@ -1,6 +1,7 @@
 #include "tools/atlas/report.h"
 
-#include <cstdio>
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include "formats/mesh_ply.h"
@@ -38,13 +39,11 @@ formats::TensorFile chartTables(const AtlasResult& result, const AtlasOptions& o
   put("triangle_charts", result.atlas.triangle_charts);
   put("source_triangles", result.source_triangles);
   put("source_vertices", result.source_vertices);
-  char texels_per_unit[40];
-  std::snprintf(texels_per_unit, sizeof texels_per_unit, "%.17g", result.report.texels_per_unit);
   file.metadata = {{"charts", std::to_string(result.atlas.chart_count)},
                    {"resolution", std::to_string(options.resolution)},
                    {"gutter", std::to_string(options.gutter)},
                    {"border", std::to_string(options.border)},
-                   {"texels_per_unit", texels_per_unit},
+                   {"texels_per_unit", fmt::format("{:.17g}", result.report.texels_per_unit)},
                    {"geometry_hash", formats::geometryHash(result.atlas.mesh)}};
   return file;
 }

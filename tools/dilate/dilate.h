@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "formats/image.h"
+#include "formats/words.h"
 
 namespace bakelight::dilate {
 
@@ -19,6 +20,8 @@ enum class Method {
   // it mixes them. For colours, and for mip maps.
   kPushPull
 };
+inline constexpr formats::Word<Method> kMethods[] = {{"nearest", Method::kNearest},
+                                                     {"push_pull", Method::kPushPull}};
 
 struct DilateOptions {
   Method method = Method::kNearest;

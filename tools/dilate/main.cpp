@@ -9,7 +9,6 @@ using namespace bakelight;
 
 int main(int argc, char** argv) {
   std::filesystem::path image_path, maps_path, output_path;
-  std::string method = "nearest";
   dilate::DilateOptions options;
 
   stage::Tool tool("dilate", "Fills the texels of a texture that no chart covers.");
@@ -17,13 +16,12 @@ int main(int argc, char** argv) {
       .input("maps", "image", maps_path,
              "Geometry maps of its atlas; what their channel \"coverage\" has 0 is filled")
       .output("dilated", "image", output_path, "EXR of the same channels, 32-bit floats")
-      .parameter("method", method, {"nearest", "push_pull"},
+      .parameter("method", options.method, dilate::kMethods,
                  "nearest: copies of texels, for indices, too; push_pull: smooth averages")
       .parameter("reach", options.reach, {0, 16384}, "texels",
                  "How far to fill from what is covered; 0: everything");
 
   return tool.run(argc, argv, [&](stage::Run& run) {
-    options.method = method == "nearest" ? dilate::Method::kNearest : dilate::Method::kPushPull;
     const auto sizeOf = [](const formats::Image& image) {
       return std::to_string(image.width) + " × " + std::to_string(image.height) + " texels";
     };

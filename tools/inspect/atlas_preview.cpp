@@ -1,7 +1,8 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
 #include "formats/error.h"
@@ -84,13 +85,10 @@ Painting paintStretch(const TriangleMesh& mesh, const AtlasFigures& figures) {
   for (const double stretch : figures.triangle_stretch) values.push_back(std::log2(stretch));
   const double range = rangeOf(mesh, values);
   for (const double value : values) painting.colors.push_back(linearColor(divergingColor(value / range)));
-  char text[256];
-  std::snprintf(
-      text, sizeof text,
-      "L2 stretch of triangles at the mean scale: white is 1, red is %.3g (less or uneven texture), "
-      "blue is %.3g (more texture); colour grows with the square root; magenta has none",
+  painting.caption = fmt::format(
+      "L2 stretch of triangles at the mean scale: white is 1, red is {:.3g} (less or uneven texture), "
+      "blue is {:.3g} (more texture); colour grows with the square root; magenta has none",
       std::exp2(range), std::exp2(-range));
-  painting.caption = text;
   return painting;
 }
 
@@ -286,26 +284,6 @@ Image drawSquare(const TriangleMesh& mesh, const AtlasFigures& figures, const Pa
 }
 
 }  // namespace
-
-const std::vector<std::string>& paintNames() {
-  static const std::vector<std::string> names = {"auto",   "none",  "charts",   "stretch",  "materials",
-                                                 "colors", "patch", "tangents", "coherence"};
-  return names;
-}
-
-const std::vector<std::string>& layoutNames() {
-  static const std::vector<std::string> names = {"model", "atlas"};
-  return names;
-}
-
-Paint paintOf(const std::string& name) {
-  const auto& names = paintNames();
-  return static_cast<Paint>(std::find(names.begin(), names.end(), name) - names.begin());
-}
-
-Layout layoutOf(const std::string& name) {
-  return name == layoutNames().back() ? Layout::kAtlas : Layout::kModel;
-}
 
 Preview previewMaterials(const TriangleMesh& mesh, const PreviewOptions& options, const std::string& file) {
   const Painting painting = paintMaterials(mesh, file);

@@ -1,9 +1,10 @@
 #include "tools/inspect/preview.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "formats/error.h"
 #include "tools/inspect/colormap.h"
@@ -21,12 +22,6 @@ using formats::Image;
 using formats::TriangleMesh;
 
 namespace {
-
-std::string format(const char* pattern, double value) {
-  char text[128];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
 
 // --- pictures from arrays of another size ---
 
@@ -125,7 +120,8 @@ Preview previewPack(const formats::Pack& pack, const PreviewOptions& options, co
   shading->setView(camera.eye());
   const double exposure = exposureFor(light);
   return {render(pack.mesh, transport::radianceOf(*shading), camera, exposure, options),
-          "the pack's transfer under the default light" + format(", exposure %+.2f EV", std::log2(exposure))};
+          "the pack's transfer under the default light" +
+              fmt::format(", exposure {:+.2f} EV", std::log2(exposure))};
 }
 
 Preview previewImage(const Image& image, bool display_encoded, const PreviewOptions& options) {
@@ -138,8 +134,8 @@ Preview previewImage(const Image& image, bool display_encoded, const PreviewOpti
     const double low = channel.minimum(), extent = channel.maximum() - low;
     encodePixels(preview.image,
                  [&](float value) { return extent > 0 ? static_cast<float>((value - low) / extent) : 0.5f; });
-    preview.caption = "channel " + image.channel_names.front() + format(": black is %g", low) +
-                      format(", white is %g", channel.maximum());
+    preview.caption = "channel " + image.channel_names.front() + fmt::format(": black is {:g}", low) +
+                      fmt::format(", white is {:g}", channel.maximum());
   } else if (display_encoded) {
     encodePixels(preview.image, [](float value) { return value; });
     preview.caption = "values as they stand";
@@ -152,7 +148,7 @@ Preview previewImage(const Image& image, bool display_encoded, const PreviewOpti
     encodePixels(preview.image, [&](float value) {
       return transport::srgbFromLinear(static_cast<float>(value * exposure));
     });
-    preview.caption = "sRGB" + format(", exposure %+.2f EV", std::log2(exposure));
+    preview.caption = "sRGB" + fmt::format(", exposure {:+.2f} EV", std::log2(exposure));
   }
   return preview;
 }
@@ -186,8 +182,9 @@ Preview previewTensors(const formats::TensorFile& tensors, const PreviewOptions&
     }
   }
   std::string caption = "tensor " + name + ", rows down, columns across" +
-                        (order > 0 ? ", lines between SH bands" : "") + format(": blue is %.4g", -scale) +
-                        format(", white is 0, red is %.4g; colour grows with the square root", scale);
+                        (order > 0 ? ", lines between SH bands" : "") +
+                        fmt::format(": blue is {:.4g}", -scale) +
+                        fmt::format(", white is 0, red is {:.4g}; colour grows with the square root", scale);
   return {std::move(image), std::move(caption)};
 }
 

@@ -8,6 +8,7 @@
 #include "formats/pack.h"
 #include "formats/tensors.h"
 #include "formats/triangle_mesh.h"
+#include "formats/words.h"
 
 namespace bakelight::inspect {
 
@@ -27,11 +28,12 @@ enum class Layout {
   kModel,  // a render
   kAtlas,  // the unit square of the texture coordinates
 };
-const std::vector<std::string>& paintNames();
-const std::vector<std::string>& layoutNames();
-// `name` is one of those.
-Paint paintOf(const std::string& name);
-Layout layoutOf(const std::string& name);
+inline constexpr formats::Word<Paint> kPaints[] = {{"auto", Paint::kAutomatic},
+                                                   {"none", Paint::kNone},
+                                                   {"charts", Paint::kCharts},
+                                                   {"stretch", Paint::kStretch},
+                                                   {"materials", Paint::kMaterials},{"colors", Paint::kColors},{"patch", Paint::kPatch},{"tangents", Paint::kTangents},{"coherence", Paint::kCoherence}};
+inline constexpr formats::Word<Layout> kLayouts[] = {{"model", Layout::kModel}, {"atlas", Layout::kAtlas}};
 
 struct PreviewOptions {
   int size_px = 512;  // of the longer side; renders are square

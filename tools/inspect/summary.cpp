@@ -1,8 +1,9 @@
 #include "tools/inspect/summary.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace bakelight::inspect {
 
@@ -32,9 +33,7 @@ std::string grouped(const std::string& digits) {
 }
 
 std::string realText(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
+  return fmt::format("{:.6g}", value);
 }
 
 std::string valueText(const Json& value) {

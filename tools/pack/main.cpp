@@ -24,7 +24,6 @@ int main(int argc, char** argv) {
   std::filesystem::path mesh_path, material_path, transfer_path, brdf_path, pack_path;
   packing::PackingOptions options;
   formats::PackOptions file_options;
-  std::string precision = nameOf(options.precision);
 
   stage::Tool tool("pack", "Puts a mesh and its baked transfer together as one pack, a binary glTF file.");
   tool.input("mesh", "mesh", mesh_path, "PLY mesh that the transfer was baked for")
@@ -34,10 +33,10 @@ int main(int argc, char** argv) {
       .input("brdf", "tensors", brdf_path, "With reflection table: safetensors file of the brdf tool", false)
       .output("pack", "pack", pack_path, "binary glTF file (.glb)")
       .parameter("name", options.name, {}, "Name of the asset, shown by glTF viewers")
-      .parameter("precision", precision, formats::precisionNames(),
+      .parameter("precision", options.precision, formats::kPrecisions,
                  "Numbers of matrices, visibility or weights (cpca's basis: float16 instead of uint8)")
       .parameter(
-          "reflection", options.reflection, packing::reflectionNames(),
+          "reflection", options.reflection, packing::kShownReflections,
           "How the material's glossy reflection is shown: as a lobe around the mirror direction, by the "
           "table of brdf, or not at all")
       .parameter("draco", file_options.draco, "Compress the mesh with Draco, for distribution")
@@ -51,7 +50,6 @@ int main(int argc, char** argv) {
 
   return tool.run(argc, argv, [&](stage::Run& run) {
     packing::checkOptions(file_options);
-    options.precision = formats::precisionNamed(precision);
     const formats::TensorFile transfer = formats::readSafetensors(transfer_path);
     std::optional<formats::TensorFile> brdf;
     if (!brdf_path.empty()) brdf = formats::readSafetensors(brdf_path);

@@ -55,9 +55,6 @@ void takeAlbedo(const formats::SurfaceMaterials& material, formats::Pack& pack) 
   pack.colors = material.vertex_albedo;
 }
 
-constexpr const char* kTable = "table";
-constexpr const char* kNone = "none";
-
 formats::BrdfTable tableFor(const formats::Reflection& reflection, const std::string& material, int row_order,
                             const TensorFile* brdf, const SourceNames& files) {
   const auto* own = std::get_if<formats::TableReflection>(&reflection);
@@ -75,9 +72,10 @@ formats::BrdfTable tableFor(const formats::Reflection& reflection, const std::st
 formats::PackPart reflectionFor(const formats::Reflection& reflection, const std::string& material,
                                 int output_order, const PackingOptions& options, const TensorFile* brdf,
                                 const SourceNames& files) {
-  if (options.reflection == kNone || std::holds_alternative<formats::Lambert>(reflection))
+  if (options.reflection == ShownReflection::kNone || std::holds_alternative<formats::Lambert>(reflection))
     return formats::LambertReflection();
-  if (options.reflection != kTable && !std::holds_alternative<formats::TableReflection>(reflection))
+  if (options.reflection != ShownReflection::kTable &&
+      !std::holds_alternative<formats::TableReflection>(reflection))
     return runtimeLobe(reflection);
   return tableFor(reflection, material, output_order, brdf, files);
 }
@@ -154,11 +152,6 @@ double relativeError(const EncodedTable& table, std::span<const float> original)
 }
 
 }  // namespace
-
-const std::vector<std::string>& reflectionNames() {
-  static const std::vector<std::string> names = {"lobe", kTable, kNone};
-  return names;
-}
 
 formats::Pack assemblePack(formats::TriangleMesh mesh, const TensorFile& transfer, const TensorFile* brdf,
                            const PackingOptions& options, const SourceNames& files) {

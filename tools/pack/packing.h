@@ -9,6 +9,7 @@
 #include "formats/pack.h"
 #include "formats/tensors.h"
 #include "formats/triangle_mesh.h"
+#include "formats/words.h"
 
 namespace bakelight::packing {
 
@@ -17,18 +18,23 @@ struct SourceNames {
   std::string mesh, transfer, brdf, material = "material.json";
 };
 
+// How the material's glossy reflection is shown.
+enum class ShownReflection {
+  kLobe,   // symmetric around the mirror direction
+  kTable,  // as the brdf tool projected it
+  kNone
+};
+inline constexpr formats::Word<ShownReflection> kShownReflections[] = {
+    {"lobe", ShownReflection::kLobe}, {"table", ShownReflection::kTable}, {"none", ShownReflection::kNone}};
+
 struct PackingOptions {
   std::string name = "asset";
   formats::SurfaceMaterials material;  // of the mesh
   // Of matrices, visibility vectors or weights. The basis of cpca gets half floats instead of 8-bit codes:
   // it is small, and its errors would show at every vertex. Diffuse vectors stay floats.
   formats::Precision precision = formats::Precision::kFloat32;
-  // How the material's glossy reflection is shown: "lobe", symmetric around the mirror direction; "table", as
-  // the brdf tool projected it; "none", not at all.
-  std::string reflection = "lobe";
+  ShownReflection reflection = ShownReflection::kLobe;
 };
-
-const std::vector<std::string>& reflectionNames();
 
 // `transfer` is the transfer stage's file and `brdf` (null without one) the brdf tool's; docs/FORMATS.md has
 // both. Throws Error(kBadInput) naming tensor or key if one says something that a pack of this version cannot

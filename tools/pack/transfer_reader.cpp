@@ -40,12 +40,9 @@ class TransferReader {
   }
 
   formats::Transport transportOf(const std::string& name) const {
-    const auto& names = formats::kTransportNames;
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end())
-      throw source_.error("metadata transport", "it is '" + name + "'",
-                          "'unshadowed', 'shadowed' or 'interreflected'");
-    return static_cast<formats::Transport>(found - names.begin());
+    if (const formats::Transport* known = formats::valueFor(formats::kTransports, name)) return *known;
+    throw source_.error("metadata transport", "it is '" + name + "'",
+                        "'unshadowed', 'shadowed' or 'interreflected'");
   }
 
   EncodedTable vectors(const char* name) const {

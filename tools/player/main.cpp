@@ -11,7 +11,6 @@
 #include "tools/player/picture_file.h"
 #include "tools/player/renderer.h"
 #include "tools/player/window.h"
-#include "tools/stage/frame_options.h"
 #include "tools/stage/stage.h"
 #include "transport/windowing.h"
 
@@ -27,7 +26,7 @@ int main(int argc, char** argv) {
     const bool headless = !options.image_path.empty();
     const auto encoding =
         headless ? player::encodingFor(options.image_path) : player::PictureEncoding::kDisplay;
-    const formats::FrameSettings settings = stage::finishedSettings(options.settings, options.background);
+    const formats::FrameSettings settings = options.settings;
     const formats::Pack pack = formats::readPack(options.pack_path);
     formats::LightRig rig =
         formats::readLights(options.environment_path, options.lights_path, options.windowing);

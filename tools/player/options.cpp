@@ -14,7 +14,7 @@ void declareOptions(stage::Tool& tool, Options& options) {
              false)
       .output("image", "image", options.image_path,
               "write one frame (.png, or .exr with linear radiance), no window", false);
-  stage::declareFrame(tool, settings, options.background);
+  stage::declareFrame(tool, settings);
   tool.parameter("windowing", options.windowing, {{"rig", std::nullopt}, {"auto", -1}, {"none", 0}},
                  {-1, 1e9},
                  "strength of the window against ringing of distant light; rig: as the rig says, auto or -1: "

@@ -16,7 +16,6 @@ namespace bakelight::player {
 struct Options {
   std::filesystem::path pack_path, environment_path, lights_path, image_path;
   formats::FrameSettings settings;
-  std::string background = "environment";
   std::optional<double> windowing;  // none: as the rig says
   int cube_resolution = 64;
 };

@@ -80,11 +80,6 @@ double Lobe::sampleOneMinusCosine(double number) const {
   return u;
 }
 
-const std::vector<std::string>& reflectionModelNames() {
-  static const std::vector<std::string> kNames = {"physical", "lobe", "table", "none"};
-  return kNames;
-}
-
 Glossy glossyOf(const formats::Reflection& reflection, ReflectionModel model,
                 const formats::BrdfTable* table) {
   if (model == ReflectionModel::kNone || std::holds_alternative<formats::Lambert>(reflection)) return {};

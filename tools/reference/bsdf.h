@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/material.h"
+#include "formats/words.h"
 #include "tools/reference/distant_light_sampler.h"
 #include "transport/microfacet.h"
 
@@ -47,8 +48,11 @@ enum class ReflectionModel {
   kTable,     // a table of the tool brdf
   kNone       // left out: the diffuse part alone
 };
-// "physical", "lobe", "table", "none", in the order of the enumerators: all but the first as in packs.
-const std::vector<std::string>& reflectionModelNames();
+inline constexpr formats::Word<ReflectionModel> kReflectionModels[] = {
+    {"physical", ReflectionModel::kPhysical},
+    {"lobe", ReflectionModel::kLobe},
+    {"table", ReflectionModel::kTable},
+    {"none", ReflectionModel::kNone}};
 
 struct TintedLobe {
   Lobe lobe;

@@ -15,8 +15,7 @@ using namespace bakelight;
 int main(int argc, char** argv) {
   std::filesystem::path mesh_path, material_path, brdf_path, environment_path, lights_path, framing_path,
       image_path;
-  std::string background = "environment", transport_name = "full", integrator = "mis", at = "pixels",
-              model = "physical";
+  reference::ReflectionModel model = reference::ReflectionModel::kPhysical;
   reference::Options options;
 
   stage::Tool tool("reference",
@@ -32,16 +31,16 @@ int main(int argc, char** argv) {
              "a picture of this tool, whose mesh the camera frames in place of this one", false)
       .output("image", "image", image_path,
               "EXR, 32-bit floats: R, G, B, A (linear, premultiplied) and variance.R, .G, .B of the means");
-  stage::declareFrame(tool, options.frame, background);
-  tool.parameter("reflection", model, reference::reflectionModelNames(),
+  stage::declareFrame(tool, options.frame);
+  tool.parameter("reflection", model, reference::kReflectionModels,
                  "physical: ggx by microfacets; lobe, table, none: as a pack's parameter of that name says")
-      .parameter("transport", transport_name, reference::transportNames(),
+      .parameter("transport", options.paths.transport, reference::kTransports,
                  "interreflected: bounces are diffuse, as in a bake; shadowed and unshadowed: direct light")
       .parameter("bounces", options.paths.bounces, {0, 1000}, "",
                  "most reflections between surfaces; 0 is no limit")
-      .parameter("integrator", integrator, reference::integratorNames(),
+      .parameter("integrator", options.paths.integrator, reference::kIntegrators,
                  "uniform: over the hemisphere, without sampling lights; slow, for checks")
-      .parameter("at", at, reference::atNames(),
+      .parameter("at", options.at, reference::kAts,
                  "vertices: exit radiance at the vertices, interpolated as the player does")
       .parameter("relative_error", options.effort.relative_error, {0, 1}, "",
                  "stop at this standard error relative to the picture; 0: take exactly samples")
@@ -51,16 +50,6 @@ int main(int argc, char** argv) {
       .executionPath(transport::RayScene::executionPath);
 
   return tool.run(argc, argv, [&](stage::Run& run) {
-    const auto indexOf = [](const std::vector<std::string>& names, const std::string& name) {
-      return std::find(names.begin(), names.end(), name) - names.begin();
-    };
-    options.frame = stage::finishedSettings(options.frame, background);
-    options.paths.transport =
-        static_cast<reference::Transport>(indexOf(reference::transportNames(), transport_name));
-    options.paths.integrator =
-        static_cast<reference::Integrator>(indexOf(reference::integratorNames(), integrator));
-    options.at = static_cast<reference::At>(indexOf(reference::atNames(), at));
-
     std::optional<transport::BoundingSphere> bounds;
     if (!framing_path.empty())
       bounds = reference::boundsFromMetadata(formats::readImageMetadata(framing_path), framing_path.string());
@@ -68,8 +57,7 @@ int main(int argc, char** argv) {
     for (const std::string& note : formats::notesOn(rig)) run.warn(note);
     reference::Surface surface{formats::readPly(mesh_path), {}};
     transport::requireTraceableScale(surface.mesh, mesh_path.string());
-    surface.model =
-        static_cast<reference::ReflectionModel>(indexOf(reference::reflectionModelNames(), model));
+    surface.model = model;
     surface.material = formats::materialsOn(surface.mesh, formats::readMaterialsOrDefault(material_path),
                                             mesh_path.string(), material_path.string());
     if (!brdf_path.empty()) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "formats/words.h"
 #include "tools/reference/scene.h"
 #include "transport/random.h"
 
@@ -15,11 +16,17 @@ enum class Transport {
   kShadowed,        // direct light, blocked by the mesh
   kUnshadowed       // direct light, as if the point were alone with the lights
 };
+inline constexpr formats::Word<Transport> kTransports[] = {{"full", Transport::kFull},
+                                                           {"interreflected", Transport::kInterreflected},
+                                                           {"shadowed", Transport::kShadowed},
+                                                           {"unshadowed", Transport::kUnshadowed}};
 
 enum class Integrator {
   kMis,     // lights and reflection sampled, combined by the power heuristic (Veach & Guibas 1995)
   kUniform  // directions uniform over the hemisphere; of lights, only directional ones are sampled
 };
+inline constexpr formats::Word<Integrator> kIntegrators[] = {{"mis", Integrator::kMis},
+                                                             {"uniform", Integrator::kUniform}};
 
 struct PathOptions {
   Transport transport = Transport::kFull;

@@ -1,9 +1,8 @@
 #include "tools/reference/reference.h"
 
-#include <array>
-#include <cstdio>
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "formats/error.h"
 #include "transport/frame.h"
@@ -15,9 +14,7 @@ namespace {
 using transport::BoundingSphere;
 
 std::string text(double number) {
-  std::array<char, 32> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), "%.17g", number);
-  return buffer.data();
+  return fmt::format("{:.17g}", number);
 }
 
 std::string text(const Vec3& v) {
@@ -46,38 +43,23 @@ transport::Backdrop backdropOf(const formats::LightRig& rig, const formats::Fram
 std::map<std::string, std::string> metadataOf(const Options& options, ReflectionModel model,
                                               const transport::OrbitCamera& camera,
                                               const BoundingSphere& bounds, const RoundsReport& report) {
-  const auto word = [](const std::vector<std::string>& names, auto value) {
-    return names[static_cast<std::size_t>(value)];
-  };
+  using formats::wordFor;
   return {{"bakelight:frame", formats::toJson(options.frame).dump()},
           {"bakelight:eye", text(camera.eye())},
           {"bakelight:target", text(camera.target)},
           {"bakelight:fov_deg", text(camera.field_of_view_deg)},
           {"bakelight:bounds", text(bounds.center) + " " + text(bounds.radius)},
-          {"bakelight:transport", word(transportNames(), options.paths.transport)},
-          {"bakelight:reflection", word(reflectionModelNames(), model)},
+          {"bakelight:transport", wordFor(kTransports, options.paths.transport)},
+          {"bakelight:reflection", wordFor(kReflectionModels, model)},
           {"bakelight:bounces", std::to_string(options.paths.bounces)},
-          {"bakelight:integrator", word(integratorNames(), options.paths.integrator)},
-          {"bakelight:at", word(atNames(), options.at)},
+          {"bakelight:integrator", wordFor(kIntegrators, options.paths.integrator)},
+          {"bakelight:at", wordFor(kAts, options.at)},
           {"bakelight:seed", std::to_string(options.seed)},
           {"bakelight:samples_per_pixel", std::to_string(report.samples)},
           {"bakelight:relative_error", text(report.relative_error)}};
 }
 
 }  // namespace
-
-const std::vector<std::string>& transportNames() {
-  static const std::vector<std::string> kNames = {"full", "interreflected", "shadowed", "unshadowed"};
-  return kNames;
-}
-const std::vector<std::string>& integratorNames() {
-  static const std::vector<std::string> kNames = {"mis", "uniform"};
-  return kNames;
-}
-const std::vector<std::string>& atNames() {
-  static const std::vector<std::string> kNames = {"pixels", "vertices"};
-  return kNames;
-}
 
 Reference makeReference(const Surface& surface, const formats::LightRig& rig, const Options& options,
                         const std::optional<BoundingSphere>& bounds, stage::ProgressStyle progress) {

@@ -9,12 +9,14 @@
 
 #include "formats/frame_settings.h"
 #include "formats/light_rig.h"
+#include "formats/words.h"
 #include "tools/reference/pictures.h"
 #include "tools/stage/stage.h"
 
 namespace bakelight::reference {
 
 enum class At { kPixels, kVertices };
+inline constexpr formats::Word<At> kAts[] = {{"pixels", At::kPixels}, {"vertices", At::kVertices}};
 
 struct Options {
   formats::FrameSettings frame;
@@ -23,11 +25,6 @@ struct Options {
   Effort effort;
   int seed = 0;
 };
-
-// Words for the command line and for metadata, in the order of the enumerators.
-const std::vector<std::string>& transportNames();
-const std::vector<std::string>& integratorNames();
-const std::vector<std::string>& atNames();
 
 // `bounds` as in Scene: nothing, the mesh's own.
 struct Reference {

@@ -1,19 +1,14 @@
 #include "tools/report/text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace bakelight::report {
 namespace {
-
-std::string formatted(double value, std::chars_format format, int precision) {
-  std::array<char, 400> buffer;
-  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format, precision);
-  return {buffer.data(), result.ptr};
-}
 
 std::string withoutTrailingZeros(std::string text) {
   if (text.find('.') == std::string::npos || text.find('e') != std::string::npos) return text;
@@ -58,12 +53,11 @@ std::string escaped(std::string_view text) {
 std::string numberText(double value, int digits) {
   if (value == 0 || !std::isfinite(value)) return value == 0 ? "0" : "–";
   const double magnitude = std::abs(value);
-  if (magnitude < 1e-4 || magnitude >= 1e7)
-    return formatted(value, std::chars_format::scientific, digits - 1);
+  if (magnitude < 1e-4 || magnitude >= 1e7) return fmt::format("{:.{}e}", value, digits - 1);
   // Where rounding carries over, as from 9.996 to 10.0, one decimal less is left.
-  const std::string rounded = formatted(magnitude, std::chars_format::scientific, digits - 1);
+  const std::string rounded = fmt::format("{:.{}e}", magnitude, digits - 1);
   const int exponent = std::stoi(rounded.substr(rounded.find('e') + 1));
-  return formatted(value, std::chars_format::fixed, std::max(digits - 1 - exponent, 0));
+  return fmt::format("{:.{}f}", value, std::max(digits - 1 - exponent, 0));
 }
 
 std::string tickText(double value) {
@@ -85,7 +79,7 @@ std::string bytesTickText(double bytes) {
 }
 
 std::string coordinate(double value) {
-  const std::string text = withoutTrailingZeros(formatted(value, std::chars_format::fixed, 2));
+  const std::string text = withoutTrailingZeros(fmt::format("{:.2f}", value));
   return text == "-0" ? "0" : text;
 }
 

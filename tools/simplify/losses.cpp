@@ -1,9 +1,10 @@
 #include "tools/simplify/losses.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "formats/error.h"
@@ -25,9 +26,7 @@ constexpr double kFarOut = 1000;                 // ÷ the bulk's diagonal
 constexpr double kFineFloats = 0.02;             // distance of floats ÷ edges' length
 
 std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
+  return fmt::format("{:.6g}", value);
 }
 
 std::string placeText(const Vec3& p) {
@@ -36,10 +35,9 @@ std::string placeText(const Vec3& p) {
 
 // "160 of 320 triangles (50 %), between (0, 0, 0) and (1, 1, 1),"
 std::string shareText(std::size_t count, std::size_t all, const Box& box) {
-  char percent[32];
-  std::snprintf(percent, sizeof percent, "%.2g", 100 * static_cast<double>(count) / static_cast<double>(all));
-  return std::to_string(count) + " of " + std::to_string(all) + " triangles (" + percent + " %), between " +
-         placeText(box.min()) + " and " + placeText(box.max()) + ",";
+  const double percent = 100 * static_cast<double>(count) / static_cast<double>(all);
+  return fmt::format("{} of {} triangles ({:.2g} %), between {} and {},", count, all, percent,
+                     placeText(box.min()), placeText(box.max()));
 }
 
 bool isLarge(std::size_t count, std::size_t all) {

@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
   using namespace bakelight;
   std::filesystem::path mesh_path, texture_path, simplified_path;
   simplify::SimplifyOptions options;
-  std::string up_axis = "y";
+  simplify::UpAxis up_axis = simplify::UpAxis::kY;
   bool double_sided = false;
   stage::Tool tool("simplify", "Repairs a mesh and reduces it to a given number of round triangles");
   tool.input("mesh", "mesh", mesh_path, "OBJ, PLY, STL, OFF, glTF, FBX, COLLADA or 3DS")
@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
              false)
       .output("simplified", "mesh", simplified_path,
               "Binary PLY with normals, with albedo, materials and texture coordinates if there are any")
-      .parameter("up_axis", up_axis, simplify::upAxes(),
+      .parameter("up_axis", up_axis, simplify::kUpAxes,
                  "Axis of the mesh, as the importer delivers it, that is up and becomes +Y")
       .changesObject()
       .parameter("triangles", options.triangles, {4, 1e8}, "triangles",

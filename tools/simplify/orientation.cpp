@@ -1,9 +1,7 @@
 #include "tools/simplify/orientation.h"
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
-#include <stdexcept>
 
 namespace bakelight::simplify {
 namespace {
@@ -14,26 +12,28 @@ struct QuarterTurn {
   std::array<float, 3> sign;
 };
 
-constexpr std::array<QuarterTurn, 6> kTurns = {{
-    {{0, 1, 2}, {1, 1, 1}},    // y
-    {{0, 1, 2}, {1, -1, -1}},  // -y: half a turn about x
-    {{0, 2, 1}, {1, 1, -1}},   // z
-    {{0, 2, 1}, {1, -1, 1}},   // -z
-    {{1, 0, 2}, {-1, 1, 1}},   // x
-    {{1, 0, 2}, {1, -1, 1}},   // -x
-}};
+QuarterTurn turnFor(UpAxis up_axis) {
+  switch (up_axis) {
+    case UpAxis::kY:
+      break;
+    case UpAxis::kMinusY:
+      return {{0, 1, 2}, {1, -1, -1}};  // half a turn about x
+    case UpAxis::kZ:
+      return {{0, 2, 1}, {1, 1, -1}};
+    case UpAxis::kMinusZ:
+      return {{0, 2, 1}, {1, -1, 1}};
+    case UpAxis::kX:
+      return {{1, 0, 2}, {-1, 1, 1}};
+    case UpAxis::kMinusX:
+      return {{1, 0, 2}, {1, -1, 1}};
+  }
+  return {{0, 1, 2}, {1, 1, 1}};
+}
 
 }  // namespace
 
-const std::vector<std::string>& upAxes() {
-  static const std::vector<std::string> names = {"y", "-y", "z", "-z", "x", "-x"};
-  return names;
-}
-
-void turnUpright(formats::TriangleMesh& mesh, const std::string& up_axis) {
-  const auto found = std::find(upAxes().begin(), upAxes().end(), up_axis);
-  if (found == upAxes().end()) throw std::invalid_argument("no such axis: " + up_axis);
-  const QuarterTurn& turn = kTurns[static_cast<std::size_t>(found - upAxes().begin())];
+void turnUpright(formats::TriangleMesh& mesh, UpAxis up_axis) {
+  const QuarterTurn turn = turnFor(up_axis);
   for (auto* vectors : {&mesh.positions, &mesh.normals})
     for (formats::Float3& v : *vectors) {
       const formats::Float3 old = v;

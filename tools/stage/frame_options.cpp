@@ -2,7 +2,7 @@
 
 namespace bakelight::stage {
 
-void declareFrame(Tool& tool, formats::FrameSettings& settings, std::string& background) {
+void declareFrame(Tool& tool, formats::FrameSettings& settings) {
   tool.parameter("width", settings.width_px, {1, 16384}, "px", "width of window or picture")
       .parameter("height", settings.height_px, {1, 16384}, "px", "height of window or picture")
       .parameter("supersampling", settings.supersampling, {1, 4}, "", "subsamples of a pixel along each axis")
@@ -17,14 +17,7 @@ void declareFrame(Tool& tool, formats::FrameSettings& settings, std::string& bac
                  "turns the object about +Y, under lights that stay")
       .parameter("object_pitch_deg", settings.object_pitch_deg, {-360, 360}, "deg", "then turns it about +X")
       .parameter("time_s", settings.time_s, {0, 1e6}, "s", "where moving emitters are, or start in a window")
-      .parameter("background", background, formats::backgroundNames(), "what is seen past the object");
-}
-
-formats::FrameSettings finishedSettings(const formats::FrameSettings& settings,
-                                        const std::string& background) {
-  formats::FrameSettings finished = settings;
-  finished.background = formats::backgroundNamed(background);
-  return finished;
+      .parameter("background", settings.background, formats::kBackgrounds, "what is seen past the object");
 }
 
 }  // namespace bakelight::stage

@@ -1,5 +1,6 @@
 #include "tools/stage/progress.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,22 +19,14 @@ std::string shortCount(double value) {
   const char* const suffixes[] = {"", " k", " M", " G"};
   int power = 0;
   while (value >= 1000 && power < 3) value /= 1000, ++power;
-  char text[32];
-  std::snprintf(text, sizeof text, power == 0 ? "%.0f%s" : "%.1f%s", value, suffixes[power]);
-  return text;
+  return fmt::format("{:.{}f}{}", value, power == 0 ? 0 : 1, suffixes[power]);
 }
 
 std::string shortTime(double seconds) {
-  char text[32];
-  if (seconds < 60)
-    std::snprintf(text, sizeof text, "%.0f s", seconds);
-  else if (seconds < 3600)
-    std::snprintf(text, sizeof text, "%d:%02d min", static_cast<int>(seconds) / 60,
-                  static_cast<int>(seconds) % 60);
-  else
-    std::snprintf(text, sizeof text, "%d:%02d h", static_cast<int>(seconds) / 3600,
-                  static_cast<int>(seconds) / 60 % 60);
-  return text;
+  if (seconds < 60) return fmt::format("{:.0f} s", seconds);
+  const int whole = static_cast<int>(seconds);
+  if (seconds < 3600) return fmt::format("{}:{:02} min", whole / 60, whole % 60);
+  return fmt::format("{}:{:02} h", whole / 3600, whole / 60 % 60);
 }
 
 }  // namespace

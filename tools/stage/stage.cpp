@@ -9,8 +9,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <chrono>
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -23,6 +21,7 @@
 #include "formats/error.h"
 #include "formats/file.h"
 #include "formats/stage_record.h"
+#include "formats/words.h"
 
 namespace bakelight::stage {
 
@@ -215,16 +214,6 @@ ParameterDescription describe(const std::string& name, ParameterType type, Json 
   return description;
 }
 
-// The double with the shortest decimal text that means the same float: 0.8f is shown as 0.8, not as
-// 0.800000011920929.
-double shortestDouble(float value) {
-  std::array<char, 32> text{};
-  const auto written = std::to_chars(text.data(), text.data() + text.size(), value);
-  double result = 0;
-  std::from_chars(text.data(), written.ptr, result);
-  return result;
-}
-
 ParameterDescription withRange(ParameterDescription description, Tool::Range range) {
   description.minimum = range.minimum;
   description.maximum = range.maximum;
@@ -256,7 +245,7 @@ Tool& Tool::parameter(const std::string& name, double& value, Range range, const
 Tool& Tool::parameter(const std::string& name, formats::Float3& value, Range range, const std::string& unit,
                       const std::string& help) {
   Json default_value = Json::array();
-  for (const float element : value) default_value.push_back(shortestDouble(element));
+  for (const float element : value) default_value.push_back(formats::shortestDouble(element));
   ParameterDescription description =
       withRange(describe(name, ParameterType::kRealList, default_value, unit, help), range);
   description.length = 3;
@@ -272,6 +261,15 @@ Tool& Tool::parameter(const std::string& name, std::string& value, std::vector<s
   description.choices = std::move(choices);
   implementation_->add(std::move(description),
                        [&value](const Json& json) { value = json.get<std::string>(); });
+  return *this;
+}
+
+Tool& Tool::choice(const std::string& name, std::vector<std::string> words, const std::string& default_word,
+                   std::function<void(const std::string&)> choose, const std::string& help) {
+  ParameterDescription description = describe(name, ParameterType::kText, default_word, "", help);
+  description.choices = std::move(words);
+  implementation_->add(std::move(description),
+                       [choose = std::move(choose)](const Json& json) { choose(json.get<std::string>()); });
   return *this;
 }
 

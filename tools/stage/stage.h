@@ -1,6 +1,5 @@
 // The contract that every tool fulfils. Parameters are declared once; the command line, the JSON keys, --help
-// and
-// --describe all come from that declaration. A tool's main declares, then hands run() a body that loads,
+// and --describe all come from that declaration. A tool's main declares, then hands run() a body that loads,
 // computes, writes and reports; run() catches every error, prints one paragraph and returns the exit status.
 //
 // Every tool understands, besides its own inputs, outputs and parameters:
@@ -25,6 +24,7 @@
 #include "formats/json.h"
 #include "formats/tool_description.h"
 #include "formats/triangle_mesh.h"
+#include "formats/words.h"
 #include "tools/stage/progress.h"
 
 namespace bakelight::stage {
@@ -85,6 +85,15 @@ class Tool {
   Tool& parameter(const std::string& name, std::string& value, std::vector<std::string> choices,
                   const std::string& help);
 
+  // One of the words of an enumeration. `words` must outlive the tool's run.
+  template <class Value, std::size_t N>
+  Tool& parameter(const std::string& name, Value& value, const formats::Word<Value> (&words)[N],
+                  const std::string& help) {
+    return choice(
+        name, formats::textsOf(words), formats::wordFor(words, value),
+        [&value, &words](const std::string& text) { value = *formats::valueFor(words, text); }, help);
+  }
+
   // A number, or one of the words: each stands for what it is paired with. The default is the first word, so
   // `value` must hold what that stands for.
   using Words = std::vector<std::pair<std::string, std::optional<double>>>;
@@ -106,6 +115,9 @@ class Tool {
   int run(int argc, char** argv, const std::function<void(Run&)>& body);
 
  private:
+  Tool& choice(const std::string& name, std::vector<std::string> words, const std::string& default_word,
+               std::function<void(const std::string&)> choose, const std::string& help);
+
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };

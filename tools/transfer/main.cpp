@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
       baked = transfer::bakeTransfer(mesh, albedo, options, progress);
     }
     std::optional<transfer::Cpca> cpca;
-    if (settings.technique == "glossy" && settings.storage == "cpca") {
+    if (settings.isGlossy() && settings.storage == transfer::Storage::kCpca) {
       stage::Progress progress = run.progress("cpca", settings.cpca.iterations, "rounds");
       cpca = transfer::clusteredPca(baked.matrices, baked.matrices.size() / mesh.vertexCount(), settings.cpca,
                                     [&] { progress.advance(); });

@@ -15,6 +15,14 @@ using formats::Float3;
 
 namespace {
 
+constexpr formats::Word<Technique> kTechniques[] = {{"diffuse", Technique::kDiffuse},
+                                                    {"glossy", Technique::kGlossy}};
+constexpr formats::Word<Storage> kStorages[] = {
+    {"matrix", Storage::kMatrix}, {"visibility", Storage::kVisibility}, {"cpca", Storage::kCpca}};
+constexpr formats::Word<Transport> kTransports[] = {{"unshadowed", Transport::kUnshadowed},
+                                                    {"shadowed", Transport::kShadowed},
+                                                    {"interreflected", Transport::kInterreflected}};
+
 std::uint64_t squared(int order) {
   return static_cast<std::uint64_t>(transport::coefficientCount(order));
 }
@@ -56,14 +64,14 @@ void addGlossy(const TransferSettings& settings, const Transfer& baked, const st
   const auto channels = static_cast<std::uint64_t>(baked.channels);
   const std::uint64_t rows = squared(settings.options.row_order), columns = squared(settings.options.order);
   contents.metadata["row_order"] = std::to_string(settings.options.row_order);
-  contents.metadata["storage"] = settings.storage;
+  contents.metadata["storage"] = formats::wordFor(kStorages, settings.storage);
   contents.addRows<4>("tangent", baked.tangents);
   if (cpca) {
     const auto components = static_cast<std::uint64_t>(cpca->components);
     contents.add("weights", {vertices, components}, cpca->weights);
     contents.add("cluster", {vertices}, cpca->clusters);
     contents.add("basis", {cpca->cluster_count, 1 + components, channels, rows, columns}, cpca->basis);
-  } else if (settings.storage == "visibility") {
+  } else if (settings.storage == Storage::kVisibility) {
     contents.add("visibility", {vertices, squared(settings.options.row_order + settings.options.order - 1)},
                  baked.visibility);
   } else {
@@ -75,9 +83,9 @@ void addGlossy(const TransferSettings& settings, const Transfer& baked, const st
 
 void declare(stage::Tool& tool, TransferSettings& settings) {
   TransferOptions& options = settings.options;
-  tool.parameter("technique", settings.technique, {"diffuse", "glossy"},
+  tool.parameter("technique", settings.technique, kTechniques,
                  "Transfer vectors only, or transfer matrices too, for glossy reflection at run time")
-      .parameter("transport", settings.transport, {"unshadowed", "shadowed", "interreflected"},
+      .parameter("transport", options.transport, kTransports,
                  "Whether the object shadows itself and light bounces between its parts; unshadowed is exact "
                  "for convex objects and needs no rays")
       .parameter("order", options.order, {1, 10}, "SH bands",
@@ -85,7 +93,7 @@ void declare(stage::Tool& tool, TransferSettings& settings) {
       .parameter("row_order", options.row_order, {1, 10}, "SH bands",
                  "Glossy: order of the transferred radiance that lobes reflect")
       .parameter(
-          "storage", settings.storage, {"matrix", "visibility", "cpca"},
+          "storage", settings.storage, kStorages,
           "Glossy: full matrices, visibility vectors (smallest; not with interreflection), or clustered "
           "principal components")
       .parameter("clusters", settings.cpca.clusters, {1, 65536}, "", "cpca: clusters of vertices, at most")
@@ -112,14 +120,10 @@ void declare(stage::Tool& tool, TransferSettings& settings) {
 
 TransferOptions bakeOptions(const TransferSettings& settings) {
   TransferOptions options = settings.options;
-  const bool interreflected = settings.transport == "interreflected";
-  options.transport = interreflected                       ? Transport::kInterreflected
-                      : settings.transport == "unshadowed" ? Transport::kUnshadowed
-                                                           : Transport::kShadowed;
   options.sphere_radius = settings.near_field ? settings.sphere_radius : 0;
-  if (settings.technique == "glossy") {
-    options.glossy = settings.storage == "visibility" ? Glossy::kVisibility : Glossy::kMatrices;
-    if (interreflected && options.glossy == Glossy::kVisibility)
+  if (settings.isGlossy()) {
+    options.glossy = settings.storage == Storage::kVisibility ? Glossy::kVisibility : Glossy::kMatrices;
+    if (options.transport == Transport::kInterreflected && options.glossy == Glossy::kVisibility)
       throw badInput({"", "", "/storage"}, "a visibility vector cannot hold interreflection",
                      "\"matrix\" or \"cpca\"", "with transport \"shadowed\" it can be kept");
   }
@@ -149,9 +153,9 @@ void writeTransfer(const std::filesystem::path& path, const formats::TriangleMes
   const std::uint64_t vertices = mesh.vertexCount(), count = squared(settings.options.order);
   const auto channels = static_cast<std::uint64_t>(baked.channels);
   Contents contents;
-  contents.metadata = {{"technique", settings.technique},
+  contents.metadata = {{"technique", formats::wordFor(kTechniques, settings.technique)},
                        {"order", std::to_string(settings.options.order)},
-                       {"transport", settings.transport},
+                       {"transport", formats::wordFor(kTransports, settings.options.transport)},
                        {"basis", "real_sh_cartesian"},
                        {"albedo", "outside"},
                        {"inverse_pi", "inside"},
@@ -165,7 +169,7 @@ void writeTransfer(const std::filesystem::path& path, const formats::TriangleMes
     contents.add("sphere", {4}, rounded);
   }
   if (!albedo.empty()) contents.addRows<3>("albedo", albedo);
-  if (settings.technique == "glossy") addGlossy(settings, baked, cpca, vertices, contents);
+  if (settings.isGlossy()) addGlossy(settings, baked, cpca, vertices, contents);
   contents.write(path);
 }
 
@@ -222,13 +226,13 @@ void report(const formats::TriangleMesh& mesh, const TransferSettings& settings,
   run.stat("outlying_vertices", baked.outlying_vertices);
   run.stat("resampled_vertices", baked.resampled_vertices);
   run.stat("quadrature_error", baked.quadrature_error);
-  if (settings.transport == "interreflected") reportInterreflection(settings, baked, run);
-  if (settings.technique == "glossy") run.stat("matrices_s", baked.matrices_s);
+  if (settings.options.transport == Transport::kInterreflected) reportInterreflection(settings, baked, run);
+  if (settings.isGlossy()) run.stat("matrices_s", baked.matrices_s);
   if (cpca) {
     run.stat("cpca_relative_error", cpca->relative_error);
     run.stat("cpca_clusters", cpca->cluster_count);
   }
-  if (settings.transport != "unshadowed" && baked.rays > 0 && baked.blocked_rays == 0)
+  if (settings.options.transport != Transport::kUnshadowed && baked.rays > 0 && baked.blocked_rays == 0)
     run.warn("nothing blocks any ray: transport \"unshadowed\" gives the same result without rays");
   if (baked.fully_blocked_vertices > mesh.vertexCount() / 2)
     run.warn("most vertices see no light at all: is the mesh closed and turned inside out?");

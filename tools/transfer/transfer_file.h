@@ -13,15 +13,20 @@
 
 namespace bakelight::transfer {
 
-// The parameters as a user gives them.
+// Whether there are transfer matrices beside the vectors, and how they are represented.
+enum class Technique { kDiffuse, kGlossy };
+enum class Storage { kMatrix, kVisibility, kCpca };
+
+// The parameters as a user gives them; those of `options` that follow from others are filled in by bakeOptions.
 struct TransferSettings {
-  std::string technique = "diffuse";  // or "glossy"
-  std::string transport = "shadowed";
-  std::string storage = "matrix";  // of glossy transfer; or "visibility", "cpca"
+  Technique technique = Technique::kDiffuse;
+  Storage storage = Storage::kMatrix;  // of glossy transfer
   bool near_field = false;
   double sphere_radius = 2;
   TransferOptions options;
   CpcaOptions cpca;
+
+  bool isGlossy() const { return technique == Technique::kGlossy; }
 };
 
 // The tool's parameters, one for each setting.

@@ -54,9 +54,8 @@ std::vector<float> wavyTable(std::size_t rows, std::size_t columns) {
 }
 
 TEST(EncodedTable, SizesAndNames) {
-  for (const std::string& name : precisionNames()) EXPECT_EQ(nameOf(precisionNamed(name)), name);
-  EXPECT_THAT(precisionNames(), testing::ElementsAre("float32", "float16", "uint8"));
-  EXPECT_THROW(precisionNamed("float64"), std::invalid_argument);
+  EXPECT_THAT(textsOf(kPrecisions), testing::ElementsAre("float32", "float16", "uint8"));
+  for (const Word<Precision>& word : kPrecisions) EXPECT_STREQ(nameOf(word.value), word.text);
   const std::size_t bytes[] = {4, 2, 1};
   for (int i = 0; i < 3; ++i) {
     const auto precision = static_cast<Precision>(i);

@@ -110,7 +110,7 @@ TEST(GltfFiles, FaultsAreNamedWithTheirPlace) {
       {R"({"scenes": [{"nodes": [0, 0]}]})", "/scenes/0/nodes/1", "twice"},
       {R"({"nodes": [{"mesh": 1}]})", "/nodes/0/mesh", "1 of \"meshes\" does not exist"},
       {R"({"nodes": [{"mesh": -1}]})", "/nodes/0/mesh", "out of range"},
-      {R"({"nodes": [{"mesh": "a"}]})", "/nodes/0/mesh", "string"},
+      {R"({"nodes": [{"mesh": "a"}]})", "/nodes/0/mesh", "a text"},
       {R"({"nodes": [{"children": [1]}, {"children": [1]}]})", "/nodes/1/children/0", "another parent"},
       {R"({"nodes": [{}, {"children": [2]}, {"children": [1]}]})", "/nodes/1", "below itself"},
       {R"({"nodes": [{"mesh": 0, "rotation": [0, 0, 0, 0]}]})", "/nodes/0/rotation", "no length"},

@@ -138,14 +138,11 @@ TEST(AtlasPreview, AMeshWithoutTexcoordsIsAnError) {
   }
 }
 
-TEST(AtlasPreview, NamesAndChoicesAgree) {
-  EXPECT_EQ(paintOf("auto"), Paint::kAutomatic);
-  EXPECT_EQ(paintOf("none"), Paint::kNone);
-  EXPECT_EQ(paintOf("charts"), Paint::kCharts);
-  EXPECT_EQ(paintOf("stretch"), Paint::kStretch);
-  EXPECT_EQ(paintOf("materials"), Paint::kMaterials);
-  EXPECT_EQ(layoutOf("model"), Layout::kModel);
-  EXPECT_EQ(layoutOf("atlas"), Layout::kAtlas);
+TEST(AtlasPreview, EveryChoiceHasAWord) {
+  EXPECT_THAT(formats::textsOf(kPaints),
+              testing::ElementsAre("auto", "none", "charts", "stretch", "materials"));
+  EXPECT_THAT(formats::textsOf(kLayouts), testing::ElementsAre("model", "atlas"));
+  EXPECT_STREQ(formats::wordFor(kPaints, Paint::kStretch), "stretch");
 }
 
 TEST(Colormap, ChartColorsAreFarApart) {

@@ -110,7 +110,7 @@ PackingOptions withReflection(const formats::Reflection& reflection,
 PackingOptions withLobe(const std::string& model, Precision precision = Precision::kFloat32) {
   if (model == "phong") return withReflection(formats::PhongReflection(), precision);
   PackingOptions options = withReflection(formats::GgxReflection(), precision);
-  if (model == "table") options.reflection = "table";
+  if (model == "table") options.reflection = ShownReflection::kTable;
   return options;
 }
 
@@ -317,7 +317,7 @@ TEST(Packing, PrecisionErrorIsTheRelativeNormOfWhatWasLost) {
 TEST(Packing, CombinationsThatMakeNoSenseAreErrors) {
   const TensorFile brdf = brdfOfOrder(3);
   PackingOptions without = withLobe("ggx");
-  without.reflection = "none";
+  without.reflection = ShownReflection::kNone;
   EXPECT_THAT(errorOf(diffuseTransfer(), withLobe("ggx")),
               AllOf(HasSubstr("/reflection"), HasSubstr("technique glossy")));
   EXPECT_EQ(errorOf(diffuseTransfer(), without), "no error");
@@ -363,7 +363,7 @@ TEST(Packing, MaterialsReflectEachInItsOwnWay) {
   EXPECT_STREQ(pack.appearances[1].reflection.kind(), "lambert");
   EXPECT_STREQ(pack.appearances[2].reflection.kind(), "ggx");
   // Each has its own table, or the one for all others.
-  options.reflection = "table";
+  options.reflection = ShownReflection::kTable;
   TensorFile brdf = brdfOfOrder(4);
   brdf.tensors["brdf/metal"] = ramp({5, 3, 16}, 40);
   pack = assemblePack(mesh, transfer, &brdf, options, kNames);
@@ -461,7 +461,7 @@ TEST(Report, WarnsOfALobeThatLeavesOutWhatTheMaterialHas) {
     warnOfLobe(assemble(glossyTransfer("matrix"), options), options.material, run);
     EXPECT_EQ(run.warnings().size(), warnings);
     PackingOptions table = options;
-    table.reflection = "table";
+    table.reflection = ShownReflection::kTable;
     const TensorFile brdf = brdfOfOrder(3);
     warnOfLobe(assemble(glossyTransfer("matrix"), table, &brdf), table.material, run);
     EXPECT_EQ(run.warnings().size(), warnings) << "the table has it";

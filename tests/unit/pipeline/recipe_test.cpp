@@ -126,7 +126,7 @@ TEST(Recipe, UnknownKeysAndWrongTypesAtEachLevel) {
   EXPECT_THAT(problemsOf({{"stages", {{"a", {{"input", 1}}}}}}), HasSubstr("at /stages/a/input:"));
   EXPECT_THAT(problemsOf({{"asset", {{"mesh", {{"kind", "mesh"}, {"ending", ".obj"}}}}}}),
               HasSubstr("at /asset/mesh/ending:"));
-  EXPECT_THAT(problemsOf({{"stages", 3}}), HasSubstr("at /stages: is number"));
+  EXPECT_THAT(problemsOf({{"stages", 3}}), HasSubstr("at /stages: it is a number"));
   EXPECT_THAT(problemsOf({{"stages", {{"asset", stage(Json::object(), "a")}}}}),
               HasSubstr("at /stages/asset"));
 }

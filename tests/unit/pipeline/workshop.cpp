@@ -4,7 +4,6 @@
 
 #include "formats/error.h"
 #include "formats/file.h"
-#include "pipeline/json_object.h"
 
 namespace bakelight::pipeline {
 using Json = nlohmann::json;

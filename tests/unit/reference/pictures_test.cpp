@@ -181,7 +181,7 @@ TEST_P(ConvexBody, HasTheSameLightInEveryTransport) {
     const PixelStatistics difference = compare(full.picture.image, made.picture.image);
     EXPECT_GT(difference.pixels, 100);
     if (GetParam() == At::kPixels) {
-      EXPECT_LT(std::abs(difference.mean_z), 3.5) << transportNames()[static_cast<std::size_t>(transport)];
+      EXPECT_LT(std::abs(difference.mean_z), 3.5) << formats::wordFor(kTransports, transport);
     }
     EXPECT_NEAR(difference.chi_squared, 1, 0.45);
   }

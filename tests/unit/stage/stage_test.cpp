@@ -17,6 +17,9 @@ namespace fs = std::filesystem;
 using formats::Json;
 using tests::TemporaryFolder;
 
+enum class Mode { kShadowed, kUnshadowed };
+constexpr formats::Word<Mode> kModes[] = {{"shadowed", Mode::kShadowed}, {"unshadowed", Mode::kUnshadowed}};
+
 // A tool with one of everything, run in this process.
 struct Sample {
   fs::path mesh, table;
@@ -24,7 +27,7 @@ struct Sample {
   int order = 5;
   double bias = 0.5;
   formats::Float3 albedo = {0.8f, 0.8f, 0.8f};
-  std::string mode = "shadowed";
+  Mode mode = Mode::kShadowed;
   int runs = 0;
   std::function<void(stage::Run&)> body = [](stage::Run&) {};
   std::string out, err;
@@ -36,7 +39,7 @@ struct Sample {
         .parameter("order", order, {1, 10}, "bands", "how fine")
         .parameter("bias", bias, {0, 1}, "", "how far")
         .parameter("albedo", albedo, {0, 1}, "", "how bright")
-        .parameter("mode", mode, {"shadowed", "unshadowed"}, "which");
+        .parameter("mode", mode, kModes, "which");
   }
 
   int run(std::vector<std::string> words) {
@@ -70,7 +73,7 @@ TEST(Tool, CommandLineFillsEverything) {
   EXPECT_EQ(sample.order, 7);
   EXPECT_EQ(sample.bias, 0.25);
   EXPECT_EQ(sample.albedo, (formats::Float3{0, 0.5f, 1}));
-  EXPECT_EQ(sample.mode, "unshadowed");
+  EXPECT_EQ(sample.mode, Mode::kUnshadowed);
 }
 
 TEST(Tool, DefaultsStayAndFlagAloneMeansTrue) {
@@ -93,7 +96,7 @@ TEST(Tool, CommandLineWinsOverParameterFile) {
   EXPECT_EQ(sample.run({"--mesh", "a", "--parameters", (folder / "p.json").string(), "--order", "4"}), 0)
       << sample.err;
   EXPECT_EQ(sample.order, 4);
-  EXPECT_EQ(sample.mode, "unshadowed");
+  EXPECT_EQ(sample.mode, Mode::kUnshadowed);
 }
 
 TEST(Tool, DescribesItself) {
@@ -105,7 +108,8 @@ TEST(Tool, DescribesItself) {
   EXPECT_EQ(description.findParameter("order")->default_value, 5);
   EXPECT_EQ(description.findParameter("order")->maximum, 10);
   EXPECT_EQ(description.findParameter("albedo")->default_value.dump(), "[0.8,0.8,0.8]");
-  EXPECT_EQ(description.findParameter("mode")->choices.size(), 2u);
+  EXPECT_THAT(description.findParameter("mode")->choices, testing::ElementsAre("shadowed", "unshadowed"));
+  EXPECT_EQ(description.findParameter("mode")->default_value, "shadowed");
   EXPECT_TRUE(description.findInput("mesh")->required);
   EXPECT_FALSE(description.findOutput("table_file")->required);
   EXPECT_EQ(sample.runs, 0);

@@ -8,13 +8,14 @@
 #include <utility>
 
 #include "formats/error.h"
-#include "formats/json.h"
+#include "formats/json_reader.h"
 
 namespace bakelight::atlas {
 namespace {
 
 using formats::childPointer;
 using formats::Json;
+using formats::JsonReader;
 using PlacePair = std::array<std::uint32_t, 2>;
 
 constexpr double kFarthest = 0.01;  // of the bounding box's diagonal
@@ -28,24 +29,23 @@ std::string pointerOf(const std::string& list, std::size_t index) {
   return childPointer(list, std::to_string(index));
 }
 
-CutPoint pointFrom(const Json& json, const std::string& file, const std::string& pointer) {
+CutPoint pointFrom(const JsonReader& point) {
+  const Json& json = point.value();
   if (json.is_number_integer()) {
     if (json < 0 || json > std::numeric_limits<std::uint32_t>::max())
-      throw badInput(placeAt(file, pointer), json.dump() + " is no vertex", kPoint);
+      throw point.error(json.dump() + " is no vertex", kPoint);
     return json.get<std::uint32_t>();
   }
   const bool is_position = json.is_array() && json.size() == 3 &&
                            std::all_of(json.begin(), json.end(), [](const Json& x) { return x.is_number(); });
-  if (!is_position) throw badInput(placeAt(file, pointer), json.dump() + " is no point", kPoint);
-  return Vec3(json[0].get<double>(), json[1].get<double>(), json[2].get<double>());
+  if (!is_position) throw point.error(json.dump() + " is no point", kPoint);
+  const std::vector<double> position = point.numbers(3);
+  return Vec3(position[0], position[1], position[2]);
 }
 
-std::vector<CutPoint> pointsFrom(const Json& json, const std::string& file, const std::string& pointer) {
-  if (!json.is_array())
-    throw badInput(placeAt(file, pointer), std::string("is ") + json.type_name(), "a list of points");
+std::vector<CutPoint> pointsFrom(const std::vector<JsonReader>& list) {
   std::vector<CutPoint> points;
-  for (std::size_t i = 0; i < json.size(); ++i)
-    points.push_back(pointFrom(json[i], file, pointerOf(pointer, i)));
+  for (const JsonReader& point : list) points.push_back(pointFrom(point));
   return points;
 }
 
@@ -139,29 +139,15 @@ std::uint32_t placeOf(const CutPoint& point, const Surface& surface, const EdgeG
 }  // namespace
 
 Cuts cutsFromJson(const Json& json, const std::string& file) {
-  if (!json.is_object())
-    throw badInput(placeAt(file, ""), std::string("is ") + json.type_name(), "a JSON object { ... }");
+  const JsonReader object(json, file);
+  object.allowKeys({"cuts", "corners"});
   Cuts cuts;
-  for (const auto& [key, value] : json.items()) {
-    const std::string pointer = childPointer("", key);
-    if (key == "corners") {
-      cuts.corners = pointsFrom(value, file, pointer);
-    } else if (key == "cuts") {
-      if (!value.is_array())
-        throw badInput(placeAt(file, pointer), std::string("is ") + value.type_name(),
-                       "a list of lines, each a list of points");
-      for (std::size_t i = 0; i < value.size(); ++i) {
-        cuts.lines.push_back(pointsFrom(value[i], file, pointerOf(pointer, i)));
-        if (cuts.lines.back().size() < 2)
-          throw badInput(placeAt(file, pointerOf(pointer, i)),
-                         "has " + std::to_string(cuts.lines.back().size()) + " points",
-                         "a line of two points or more");
-      }
-    } else {
-      const std::string nearest = formats::nearestName(key, std::vector<std::string>{"cuts", "corners"});
-      throw badInput(placeAt(file, pointer), "unknown key \"" + key + "\"", "one of: cuts, corners",
-                     nearest.empty() ? "" : "write \"" + nearest + "\"");
-    }
+  cuts.corners = pointsFrom(object.items("corners"));
+  for (const JsonReader& line : object.items("cuts")) {
+    cuts.lines.push_back(pointsFrom(line.items()));
+    if (cuts.lines.back().size() < 2)
+      throw line.error("has " + std::to_string(cuts.lines.back().size()) + " points",
+                       "a line of two points or more");
   }
   return cuts;
 }
