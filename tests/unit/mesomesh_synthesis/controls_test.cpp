@@ -41,7 +41,7 @@ TEST(SynthesisControls, RandomPlacesAreTold) {
   for (std::size_t v = 0; v < surface.mesh.vertexCount(); ++v)
     coordinates.push_back(
         {static_cast<float>(tests::hashedUnit(1, v)), static_cast<float>(tests::hashedUnit(2, v))});
-  const SynthesisQuality quality = qualityOf(surface.view(), one(tests::stones(32, 8)), {}, coordinates);
+  const SynthesisQuality quality = qualityOf(surface.view(), one(tests::stones(16, 3)), {}, coordinates);
   EXPECT_GT(quality.neighborhood_error, 0.5);
   EXPECT_GT(quality.neighborhood_error_ratio, 3);
   EXPECT_LT(quality.coherent_share, 0.01);
@@ -70,8 +70,8 @@ TEST(SynthesisControls, ExhaustiveSearchIsTheMeasure) {
 }
 
 TEST(SynthesisControls, SynthesisIsCloseToTheMeasure) {
-  const tests::TexturedSurface surface = tests::cut(tests::texturedSurface(tests::rippledBall(24000)));
-  for (const formats::Image& image : {tests::weave(32), tests::stones(32, 8), tests::stochastic(32)}) {
+  const tests::TexturedSurface surface = tests::cut(tests::texturedSurface(tests::rippledBall(10000)));
+  for (const formats::Image& image : {tests::weave(32), tests::stones(24, 5), tests::stochastic(24)}) {
     const SynthesisQuality quality = synthesize(surface.view(), one(image), {}).report.quality;
     EXPECT_LT(quality.neighborhood_error_ratio, 1.2);
     EXPECT_GT(quality.random_ratio, 10);

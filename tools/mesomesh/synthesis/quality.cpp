@@ -13,6 +13,9 @@ namespace {
 
 constexpr std::size_t kSampledVertices = 4096;
 constexpr double kVerticesPerCell = 4;
+// Squared difference of what would be equal, but for the rounding of appearances: a twelfth for each number, of
+// either side.
+constexpr double kRounding = kSamplePoints * kAppearanceSize / 6.0;
 
 const Matcher* matcherOf(const LevelState& level, std::size_t vertex) {
   return level.matchers[level.graph.exemplars[vertex]];
@@ -28,6 +31,7 @@ double scaleOf(const Matcher& matcher, const Surroundings& surroundings) {
 struct VertexErrors {
   bool counted = false;
   double own = 0, best = 0, random = 0;
+  double resolution = 0;
 };
 
 FixedPoint randomPlace(const AppearanceLevel& appearance, std::size_t vertex) {
@@ -47,7 +51,8 @@ VertexErrors errorsOf(const LevelState& level, std::size_t v, const std::vector<
   const Match own{coordinates[v], matcher->error(surroundings, coordinates[v])};
   const Match best = search ? bestOfAll(*matcher, surroundings, own) : own;
   return {true, own.error / scale, best.error / scale,
-          search ? matcher->error(surroundings, randomPlace(matcher->appearance(), v)) / scale : 0};
+          search ? matcher->error(surroundings, randomPlace(matcher->appearance(), v)) / scale : 0,
+          kRounding / scale};
 }
 
 void measureErrors(const LevelState& level, const std::vector<FixedPoint>& coordinates,
@@ -59,15 +64,17 @@ void measureErrors(const LevelState& level, const std::vector<FixedPoint>& coord
     const std::size_t begin = count * s / sampled, size = count * (s + 1) / sampled - begin;
     errors[s] = errorsOf(level, begin + transport::scrambled(s) % size, coordinates, true);
   });
-  double own = 0, best = 0, random = 0, counted = 0;
+  double own = 0, best = 0, random = 0, resolution = 0, counted = 0;
   for (const VertexErrors& error : errors) {
     own += error.own, best += error.best, random += error.random;
+    resolution += error.resolution;
     counted += error.counted ? 1 : 0;
   }
-  if (counted > 0)
-    quality.neighborhood_error = own / counted, quality.best_neighborhood_error = best / counted;
-  if (own > 0) quality.neighborhood_error_ratio = own / best;
-  if (random > 0) quality.random_ratio = random / best;
+  if (counted == 0) return;
+  quality.neighborhood_error = own / counted;
+  quality.best_neighborhood_error = best / counted;
+  quality.neighborhood_error_ratio = std::max(own, resolution) / std::max(best, resolution);
+  quality.random_ratio = std::max(random, resolution) / std::max(best, resolution);
 }
 
 void measureSeams(const LevelState& level, std::span<const std::uint8_t> on_seam,
@@ -86,7 +93,8 @@ void measureSeams(const LevelState& level, std::span<const std::uint8_t> on_seam
   quality.seam_vertices = static_cast<std::size_t>(on);
   if (on == 0 || off == 0) return;
   const double interior = sum(false, own) / off, seam = sum(true, own) / on;
-  if (seam > 0) quality.seam_ratio = seam / interior;
+  const double resolution = sum(false, [](const VertexErrors& error) { return error.resolution; }) / off;
+  quality.seam_ratio = std::max(seam, resolution) / std::max(interior, resolution);
 }
 
 bool isCoherent(const LevelState& level, std::size_t v, const Proposer& proposer,

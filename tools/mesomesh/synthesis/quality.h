@@ -10,13 +10,14 @@
 namespace bakelight::mesomesh {
 
 // Errors compare what the vertices around a vertex predict with what is there, as synthesis sees it: 0 fits
-// exactly, 1 is how much two places of the exemplar that were taken at random differ.
+// exactly, 1 is how much two places of the exemplar that were taken at random differ. In ratios, what is below
+// the rounding of appearances counts as that.
 struct SynthesisQuality {
   double neighborhood_error = 0;  // mean over a hashed sample of 4096 vertices
   // The same with each vertex of the sample at the best of all places of the exemplar (to a quarter of a
   // texel), its neighbors as they are.
   double best_neighborhood_error = 0;
-  // The first ÷ the second; 1 where both are 0.
+  // The first ÷ the second.
   double neighborhood_error_ratio = 1;
   // What the ratio would be with each vertex of the sample at a random place, its neighbors as they are.
   double random_ratio = 1;
