@@ -46,14 +46,16 @@ Samples trainingWindows(const Windows& windows, int width, int height, int cells
   return samples;
 }
 
-// Reach of windows that may not leave the exemplar, as far as its side leaves half of it to choose from.
-double marginOf(double step, int side) {
-  return std::min(kWindowReach * step, (side - 1) / 4.0);
+// How close coordinates may come to the border of what is not periodic. At the finest level windows stay inside,
+// as far as that leaves half of a side to choose from. Coarser ones, whose windows are as wide as the exemplar,
+// would have only its middle: theirs repeat the border.
+double marginOf(double step, int side, bool finest) {
+  return std::min(kWindowReach * step, (side - 1) / (finest ? 4.0 : 8.0));
 }
 
 }  // namespace
 
-AppearanceLevel::AppearanceLevel(const Exemplar& exemplar, double step, int similar)
+AppearanceLevel::AppearanceLevel(const Exemplar& exemplar, double step, int similar, bool finest)
     : width_(exemplar.width), height_(exemplar.height), periodic_(exemplar.periodic) {
   const int cells_a_texel = step < 2 ? 4 : step < 4 ? 2 : 1;
   const int step_cells = std::max(1, static_cast<int>(std::lround(step * cells_a_texel)));
@@ -64,7 +66,7 @@ AppearanceLevel::AppearanceLevel(const Exemplar& exemplar, double step, int simi
   lookup_reach_ = static_cast<Fixed>(2 * step_cells + 1) * cellSize();
   if (!periodic_) {
     const auto fixed = [](double texels) { return static_cast<Fixed>(std::lround(texels * kOneTexel)); };
-    const double across = marginOf(exact_step, width_), up = marginOf(exact_step, height_);
+    const double across = marginOf(exact_step, width_, finest), up = marginOf(exact_step, height_, finest);
     least_ = {fixed(across), fixed(up)};
     greatest_ = {fixed(width_ - 1 - across), fixed(height_ - 1 - up)};
   }

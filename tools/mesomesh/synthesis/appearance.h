@@ -31,7 +31,7 @@ class AppearanceLevel {
   // components, four times a texel where the step is below two, twice where below four. `similar`: how many
   // places like it are found for each texel, besides itself. Cost: texels · (200 · channels) and, for
   // similar places, at worst texels² (a sorted list ends most searches early).
-  AppearanceLevel(const Exemplar& exemplar, double step, int similar);
+  AppearanceLevel(const Exemplar& exemplar, double step, int similar, bool finest = true);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -69,14 +69,23 @@ class AppearanceLevel {
     return periodic_ ||
            (at[0] >= least_[0] && at[1] >= least_[1] && at[0] <= greatest_[0] && at[1] <= greatest_[1]);
   }
-  // The same place of a periodic exemplar within [0, side); otherwise the nearest that may be taken.
+  // The same place of a periodic exemplar within [0, side); otherwise mirrored at
+  // the border of what may be taken.
   FixedPoint admitted(FixedPoint at) const {
     return {admitted(at[0], width_ << kFixedBits, 0), admitted(at[1], height_ << kFixedBits, 1)};
   }
 
  private:
+  // At either end as often as needed; clamped, many would meet at the border.
+  static Fixed mirrored(Fixed at, Fixed least, Fixed greatest) {
+    if (at >= least && at <= greatest) return at;
+    const Fixed span = greatest - least;
+    Fixed beyond = (at - least) % (2 * span);
+    if (beyond < 0) beyond += 2 * span;
+    return least + (beyond > span ? 2 * span - beyond : beyond);
+  }
   Fixed admitted(Fixed at, Fixed period, std::size_t axis) const {
-    if (!periodic_) return at < least_[axis] ? least_[axis] : at > greatest_[axis] ? greatest_[axis] : at;
+    if (!periodic_) return mirrored(at, least_[axis], greatest_[axis]);
     if (at < 0) at += period;
     if (at >= period) at -= period;
     if (at >= 0 && at < period) return at;

@@ -53,7 +53,8 @@ LevelAppearance::LevelAppearance(std::span<const PlacedExemplar> exemplars, doub
   for (std::size_t e = 0; e < exemplars.size(); ++e) {
     scales_[e].texel_size = exemplars[e].texel_size;
     if (!suits(exemplars[e], vertex_spacing, finest)) continue;
-    entries_[e] = std::make_unique<Entry>(exemplars[e], vertex_spacing / exemplars[e].texel_size, similar);
+    entries_[e] =
+        std::make_unique<Entry>(exemplars[e], vertex_spacing / exemplars[e].texel_size, similar, finest);
     scales_[e].appearance = &entries_[e]->appearance;
     matchers_[e] = &entries_[e]->matcher;
   }

@@ -39,8 +39,8 @@ class LevelAppearance {
   struct Entry {
     AppearanceLevel appearance;
     Matcher matcher;
-    Entry(const PlacedExemplar& placed, double step, int similar)
-        : appearance(*placed.exemplar, step, similar), matcher(appearance, placed.turns) {}
+    Entry(const PlacedExemplar& placed, double step, int similar, bool finest)
+        : appearance(*placed.exemplar, step, similar, finest), matcher(appearance, placed.turns) {}
   };
   std::vector<std::unique_ptr<Entry>> entries_;
   std::vector<ExemplarScale> scales_;
