@@ -18,7 +18,7 @@ constexpr std::size_t kMostLevels = 12;
 // A level that keeps more than this share of the vertices is no coarser (many small components).
 constexpr double kCoarserShare = 0.8;
 // Shares of a level's spacing by which its coordinates are moved; finer levels only mend.
-constexpr double kJitter = 0.5, kLeastJitteredStep = 3;
+constexpr double kJitter = 1.0, kLeastJitteredStep = 3;
 
 // Of exhaustive search; it mostly stands still after a third of them.
 constexpr int kMostSweeps = 40;
