@@ -21,10 +21,11 @@
 
 #include "formats/error.h"
 #include "formats/mesh_import.h"
+#include "surface/metrics.h"
+#include "surface/repair.h"
 #include "tests/support/rippled_ball.h"
-#include "tools/simplify/metrics.h"
-#include "tools/simplify/repair.h"
 #include "tools/simplify/simplify.h"
+#include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {
 namespace {

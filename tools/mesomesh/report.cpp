@@ -9,7 +9,7 @@ namespace bakelight::mesomesh {
 using formats::Json;
 
 Json toJson(const RetileReport& r, const DirectionField& field) {
-  const simplify::RepairCounts& repairs = r.repairs;
+  const surface::RepairCounts& repairs = r.repairs;
   Json seconds = Json::object();
   for (const auto& [step, spent] : r.seconds) seconds["retile_" + step] = spent;
   for (const auto& [step, spent] : field.seconds) seconds["field_" + step] = spent;

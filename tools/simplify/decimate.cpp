@@ -12,9 +12,10 @@
 #include <limits>
 #include <vector>
 
-#include "tools/simplify/collapse.h"
-#include "tools/simplify/features.h"
-#include "tools/simplify/parallel_lists.h"
+#include "surface/collapse.h"
+#include "surface/features.h"
+#include "surface/parallel_lists.h"
+#include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {
 namespace {

@@ -3,12 +3,12 @@
 
 #include <cstddef>
 
-#include "tools/simplify/corner_mesh.h"
+#include "surface/collapse.h"
+#include "surface/corner_mesh.h"
+#include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {
 
-// How far the constraints had to be given up to reach the target.
-enum class DecimationLevel { kFull, kWithoutCreases, kUnconstrained };
 const char* name(DecimationLevel level);
 
 struct DecimationResult {

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "tools/simplify/corner_mesh.h"
-#include "tools/simplify/features.h"
+#include "surface/corner_mesh.h"
+#include "surface/features.h"
+#include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {
 namespace {

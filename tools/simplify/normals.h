@@ -4,7 +4,8 @@
 #include <cstdint>
 
 #include "formats/triangle_mesh.h"
-#include "tools/simplify/working_mesh.h"
+#include "surface/working_mesh.h"
+#include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {
 

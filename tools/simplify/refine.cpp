@@ -4,7 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "tools/simplify/parallel_lists.h"
+#include "surface/parallel_lists.h"
+#include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {
 

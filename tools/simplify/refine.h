@@ -3,7 +3,8 @@
 
 #include <cstdint>
 
-#include "tools/simplify/corner_mesh.h"
+#include "surface/corner_mesh.h"
+#include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {
 

@@ -16,8 +16,9 @@
 #include <span>
 #include <vector>
 
-#include "tools/simplify/parallel_lists.h"
+#include "surface/parallel_lists.h"
 #include "tools/simplify/samples.h"
+#include "tools/simplify/surface_words.h"
 #include "transport/triangle_distance.h"
 
 namespace bakelight::simplify {

@@ -4,7 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "tools/simplify/corner_mesh.h"
+#include "surface/corner_mesh.h"
+#include "tools/simplify/surface_words.h"
 #include "transport/surface_query.h"
 
 namespace bakelight::simplify {

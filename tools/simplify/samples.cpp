@@ -3,7 +3,8 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "tools/simplify/metrics.h"
+#include "surface/metrics.h"
+#include "tools/simplify/surface_words.h"
 #include "transport/triangle_distance.h"
 
 namespace bakelight::simplify {

@@ -12,8 +12,9 @@
 #include <vector>
 
 #include "formats/triangle_mesh.h"
-#include "tools/simplify/metrics.h"
-#include "tools/simplify/repair.h"
+#include "surface/metrics.h"
+#include "surface/repair.h"
+#include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {
 

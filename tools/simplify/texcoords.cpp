@@ -4,7 +4,8 @@
 #include <map>
 #include <utility>
 
-#include "tools/simplify/repair.h"
+#include "surface/repair.h"
+#include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {
 namespace {

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "formats/triangle_mesh.h"
-#include "tools/simplify/working_mesh.h"
+#include "surface/working_mesh.h"
+#include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {
 

@@ -1,4 +1,4 @@
-#include "tools/simplify/inside_out.h"
+#include "surface/inside_out.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "surface/metrics.h"
+#include "surface/repair.h"
 #include "tests/support/shapes.h"
-#include "tools/simplify/metrics.h"
-#include "tools/simplify/repair.h"
+#include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/simplify/losses.h"
+#include "surface/losses.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,6 +6,7 @@
 #include "formats/error.h"
 #include "tests/support/shapes.h"
 #include "tools/simplify/simplify.h"
+#include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {
 namespace {

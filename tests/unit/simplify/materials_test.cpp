@@ -8,11 +8,12 @@
 #include <utility>
 
 #include "formats/materials.h"
+#include "surface/repair.h"
 #include "tests/support/shapes.h"
 #include "tools/simplify/double_sided.h"
 #include "tools/simplify/normals.h"
-#include "tools/simplify/repair.h"
 #include "tools/simplify/simplify.h"
+#include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {
 namespace {

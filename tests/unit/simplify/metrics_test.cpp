@@ -1,10 +1,11 @@
-#include "tools/simplify/metrics.h"
+#include "surface/metrics.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
 #include "tests/support/shapes.h"
+#include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {
 namespace {

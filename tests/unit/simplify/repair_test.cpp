@@ -1,13 +1,14 @@
-#include "tools/simplify/repair.h"
+#include "surface/repair.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <random>
 
+#include "surface/metrics.h"
 #include "tests/support/shapes.h"
-#include "tools/simplify/half_edge_mesh.h"
-#include "tools/simplify/metrics.h"
+#include "surface/half_edge_mesh.h"
+#include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {
 namespace {

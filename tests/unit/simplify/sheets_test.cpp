@@ -5,11 +5,12 @@
 #include <cmath>
 
 #include "formats/materials.h"
+#include "surface/repair.h"
 #include "tests/support/shapes.h"
 #include "tests/unit/transfer/bake.h"
 #include "tools/simplify/colors.h"
-#include "tools/simplify/repair.h"
 #include "tools/simplify/simplify.h"
+#include "tools/simplify/surface_words.h"
 #include "transport/sh.h"
 
 namespace bakelight::simplify {

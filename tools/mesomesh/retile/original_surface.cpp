@@ -17,12 +17,12 @@ double cornerAngle(const CornerMesh& mesh, Side s) {
 
 }  // namespace
 
-OriginalSurface::OriginalSurface(const simplify::WorkingMesh& mesh, double crease_angle_deg,
+OriginalSurface::OriginalSurface(const surface::WorkingMesh& mesh, double crease_angle_deg,
                                  double min_crease_length)
     : mesh_{CornerMesh(mesh), {}, {}, {}} {
-  simplify::markCreases(mesh_.mesh, crease_angle_deg, min_crease_length);
+  surface::markCreases(mesh_.mesh, crease_angle_deg, min_crease_length);
   const std::vector<std::uint8_t> is_crease = mesh_.mesh.side_feature;
-  features_ = simplify::markFeatures(mesh_.mesh, crease_angle_deg, min_crease_length);
+  features_ = surface::markFeatures(mesh_.mesh, crease_angle_deg, min_crease_length);
   makeNormals(is_crease);
   findRegions(mesh);
   halveCornerEdges();
@@ -59,7 +59,7 @@ void OriginalSurface::makeNormals(const std::vector<std::uint8_t>& is_crease) {
   });
 }
 
-void OriginalSurface::findRegions(const simplify::WorkingMesh& original) {
+void OriginalSurface::findRegions(const surface::WorkingMesh& original) {
   CornerMesh& mesh = mesh_.mesh;
   std::vector<std::uint32_t> region(mesh.triangles.size(), kNone), stack;
   for (std::uint32_t seed = 0; seed < region.size(); ++seed) {

@@ -5,18 +5,18 @@
 #include <optional>
 #include <vector>
 
-#include "tools/simplify/corner_mesh.h"
-#include "tools/simplify/features.h"
-#include "tools/simplify/working_mesh.h"
+#include "surface/corner_mesh.h"
+#include "surface/features.h"
+#include "surface/working_mesh.h"
 #include "transport/surface_query.h"
 
 namespace bakelight::mesomesh {
 
-using simplify::CornerMesh;
-using simplify::kNone;
-using simplify::nextSide;
-using simplify::previousSide;
-using simplify::Side;
+using surface::CornerMesh;
+using surface::kNone;
+using surface::nextSide;
+using surface::previousSide;
+using surface::Side;
 using transport::SurfacePoint;
 using transport::SurfaceQuery;
 using transport::Vec3;
@@ -38,8 +38,8 @@ struct SlidingMesh {
 // or closed ones.
 class OriginalSurface {
  public:
-  // `mesh` as simplify::repair leaves it. Creases: simplify::markCreases. All TBB threads.
-  OriginalSurface(const simplify::WorkingMesh& mesh, double crease_angle_deg, double min_crease_length);
+  // `mesh` as surface::repair leaves it. Creases: surface::markCreases. All TBB threads.
+  OriginalSurface(const surface::WorkingMesh& mesh, double crease_angle_deg, double min_crease_length);
 
   // The original itself, its feature edges between two corners halved: each feature edge has an end that
   // says which curve it belongs to.
@@ -47,7 +47,7 @@ class OriginalSurface {
   std::uint32_t regionCount() const { return static_cast<std::uint32_t>(region_materials_.size()); }
   // A material of `mesh` of the constructor; 0 without materials.
   std::uint32_t materialOf(std::uint32_t region) const { return region_materials_[region]; }
-  const simplify::FeatureCounts& features() const { return features_; }
+  const surface::FeatureCounts& features() const { return features_; }
 
   // The closest point of the region that faces as `normal` does; invalid if none does.
   SurfacePoint onRegion(const Vec3& position, const Vec3& normal, std::uint32_t region,
@@ -60,14 +60,14 @@ class OriginalSurface {
   const SurfaceQuery& surface() const { return *surface_; }
 
  private:
-  void findRegions(const simplify::WorkingMesh& mesh);
+  void findRegions(const surface::WorkingMesh& mesh);
   void halveCornerEdges();
   void findCurves();
   void makeNormals(const std::vector<std::uint8_t>& is_crease);
 
   SlidingMesh mesh_;
   std::vector<std::uint32_t> region_materials_;
-  simplify::FeatureCounts features_;
+  surface::FeatureCounts features_;
   std::vector<Vec3> corner_normals_;  // of each side's start, in its triangle
   std::optional<SurfaceQuery> surface_, curves_;
 };

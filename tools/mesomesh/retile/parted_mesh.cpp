@@ -55,7 +55,7 @@ Vec3 normalOf(const SlidingMesh& sliding, const OriginalSurface& original, std::
 }  // namespace
 
 PartedMesh parted(const SlidingMesh& sliding, const OriginalSurface& original,
-                  const std::vector<simplify::WorkingMesh::Sheet>& sheets) {
+                  const std::vector<surface::WorkingMesh::Sheet>& sheets) {
   const CornerMesh& mesh = sliding.mesh;
   const std::size_t vertex_count = mesh.positions.size(), triangle_count = mesh.triangles.size();
   // Each fan is named by one of its sides.
@@ -105,7 +105,7 @@ PartedMesh parted(const SlidingMesh& sliding, const OriginalSurface& original,
   // Backs.
   std::vector<std::uint32_t> back(source.size(), kNone);
   for (std::size_t t = 0; t < triangle_count; ++t) {
-    if (result.triangle_materials[t] < simplify::kFirstSheet) continue;
+    if (result.triangle_materials[t] < surface::kFirstSheet) continue;
     formats::Triangle mirrored = {};
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = result.triangles[t][k];
@@ -113,16 +113,16 @@ PartedMesh parted(const SlidingMesh& sliding, const OriginalSurface& original,
         back[v] = static_cast<std::uint32_t>(result.positions.size());
         result.positions.push_back(Vec3(result.positions[v]));
         result.normals.push_back(Vec3(-result.normals[v]));
-        result.vertex_materials.push_back(sheets[result.vertex_materials[v] - simplify::kFirstSheet].back);
+        result.vertex_materials.push_back(sheets[result.vertex_materials[v] - surface::kFirstSheet].back);
       }
       mirrored[2 - k] = back[v];
     }
     result.triangles.push_back(mirrored);
-    result.triangle_materials.push_back(sheets[result.triangle_materials[t] - simplify::kFirstSheet].back);
+    result.triangle_materials.push_back(sheets[result.triangle_materials[t] - surface::kFirstSheet].back);
   }
   for (std::vector<std::uint32_t>* materials : {&result.vertex_materials, &result.triangle_materials})
     for (std::uint32_t& m : *materials)
-      if (m >= simplify::kFirstSheet) m = sheets[m - simplify::kFirstSheet].front;
+      if (m >= surface::kFirstSheet) m = sheets[m - surface::kFirstSheet].front;
   return result;
 }
 

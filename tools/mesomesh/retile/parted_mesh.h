@@ -13,15 +13,15 @@ struct PartedMesh {
   std::vector<Vec3> positions, normals;
   std::vector<formats::Triangle> triangles;
   std::vector<std::uint32_t> vertex_materials,
-      triangle_materials;  // simplify::WorkingMesh's, sheets resolved
+      triangle_materials;  // surface::WorkingMesh's, sheets resolved
   std::int64_t crease_copies = 0;
 };
 
 // Gives each side of a crease, and of a border between materials, vertices of its own, all of them normals,
-// and the triangles of sheets (simplify::WorkingMesh) their backs. Vertices are in the order of their first
+// and the triangles of sheets (surface::WorkingMesh) their backs. Vertices are in the order of their first
 // triangles; backs follow. All TBB threads.
 PartedMesh parted(const SlidingMesh& mesh, const OriginalSurface& original,
-                  const std::vector<simplify::WorkingMesh::Sheet>& sheets);
+                  const std::vector<surface::WorkingMesh::Sheet>& sheets);
 
 // How many vertices parted() makes of a mesh after `subdivisions` of it, without backs.
 std::int64_t partedCount(const CornerMesh& mesh, int subdivisions);

@@ -10,8 +10,8 @@
 #include <queue>
 #include <utility>
 
+#include "surface/collapse.h"
 #include "tools/mesomesh/retile/sliding.h"
-#include "tools/simplify/collapse.h"
 
 namespace bakelight::mesomesh {
 namespace {
@@ -122,8 +122,8 @@ class ShortEdges {
 
   SlidingMesh& sliding_;
   CornerMesh& mesh_;
-  simplify::Collapses collapses_;
-  simplify::Collapses::Workspace work_;
+  surface::Collapses collapses_;
+  surface::Collapses::Workspace work_;
   double length_;
   std::vector<std::pair<double, std::uint32_t>> candidates_;
   std::vector<std::uint32_t> curve_neighbors_;

@@ -10,21 +10,21 @@
 
 #include "formats/error.h"
 #include "formats/materials.h"
+#include "surface/losses.h"
+#include "surface/metrics.h"
+#include "surface/working_mesh.h"
 #include "tools/mesomesh/retile/figures.h"
 #include "tools/mesomesh/retile/original_surface.h"
 #include "tools/mesomesh/retile/parted_mesh.h"
 #include "tools/mesomesh/retile/remesher.h"
 #include "tools/mesomesh/retile/sliding.h"
 #include "tools/mesomesh/retile/subdivision.h"
-#include "tools/simplify/losses.h"
-#include "tools/simplify/metrics.h"
-#include "tools/simplify/working_mesh.h"
 #include "tools/stage/stopwatch.h"
 
 namespace bakelight::mesomesh {
 namespace {
 
-using simplify::WorkingMesh;
+using surface::WorkingMesh;
 
 constexpr int kMostSubdivisions = 3;
 // The coarse mesh has at least this many vertices for each of the original's, so that it resolves what the
@@ -185,19 +185,19 @@ void requireCount(const RetileReport& report, std::int64_t asked, const std::str
 RetiledMesh retile(const formats::TriangleMesh& input, const RetileOptions& options,
                    const std::string& file) {
   checkInput(input, file);
-  simplify::checkScale(input, file);
+  surface::checkScale(input, file);
   RetiledMesh result;
   RetileReport& report = result.report;
   stage::Stopwatch watch(report.seconds);
-  WorkingMesh mesh = simplify::workingMesh(input);
-  const simplify::Extent extent = simplify::extentOf(mesh);
+  WorkingMesh mesh = surface::workingMesh(input);
+  const surface::Extent extent = surface::extentOf(mesh);
   const WorkingFrame frame(extent.working());
   for (Vec3& p : mesh.positions) p = (p - frame.center) * frame.scale;
-  report.repairs = simplify::repair(mesh, 0);
+  report.repairs = surface::repair(mesh, 0);
   if (mesh.triangles.empty())
     throw badInput({file, "", ""}, "no triangle of the mesh has an area",
                    "at least one triangle with an area");
-  report.warnings = simplify::lossWarnings(input, extent, 0, report.repairs);
+  report.warnings = surface::lossWarnings(input, extent, 0, report.repairs);
   if (report.repairs.one_sided_cuts > 0)
     report.warnings.push_back(std::to_string(report.repairs.one_sided_cuts) +
                               " edges were cut, as no orientation agrees across them (a Möbius strip): the "
@@ -205,10 +205,10 @@ RetiledMesh retile(const formats::TriangleMesh& input, const RetileOptions& opti
   if (report.repairs.non_manifold_edges > 0)
     report.warnings.push_back(std::to_string(report.repairs.non_manifold_edges) +
                               " edges of more than two triangles were cut or paired");
-  const simplify::Topology topology = simplify::topology(mesh);
+  const surface::Topology topology = surface::topology(mesh);
   report.components = topology.components;
   report.border_edges = topology.boundary_edges;
-  const double area = simplify::area(mesh);
+  const double area = surface::area(mesh);
   const Target target{static_cast<double>(options.vertices), area / (area + sheetArea(mesh))};
   const double fine_edge = edgeLength(area, target.vertices * target.front_share);
   requireResolution(input, fine_edge / frame.scale, file);
@@ -227,7 +227,7 @@ RetiledMesh retile(const formats::TriangleMesh& input, const RetileOptions& opti
   report.crease_copies = tiling.crease_copies;
   requireCount(report, options.vertices, file);
   watch.lap("normals");
-  measureDeviation(sliding, original, simplify::boundingBoxDiagonal(mesh), report);
+  measureDeviation(sliding, original, surface::boundingBoxDiagonal(mesh), report);
   report.edge_length /= frame.scale;
   if (report.folded_triangles > 0)
     report.warnings.push_back(std::to_string(report.folded_triangles) +

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "formats/triangle_mesh.h"
-#include "tools/simplify/repair.h"
+#include "surface/repair.h"
 
 namespace bakelight::mesomesh {
 
@@ -25,7 +25,7 @@ struct RetileOptions {
 inline constexpr double kCountTolerance = 0.05;
 
 struct RetileReport {
-  simplify::RepairCounts repairs;
+  surface::RepairCounts repairs;
   std::int64_t vertices = 0, triangles = 0, crease_copies = 0, components = 0;
   std::int64_t coarse_vertices = 0;
   int subdivisions = 0;

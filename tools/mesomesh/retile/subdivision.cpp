@@ -2,14 +2,14 @@
 
 #include <tbb/parallel_for.h>
 
-#include "tools/simplify/parallel_lists.h"
+#include "surface/parallel_lists.h"
 
 namespace bakelight::mesomesh {
 
 SlidingMesh subdivided(const SlidingMesh& sliding) {
   const CornerMesh& from = sliding.mesh;
   const std::size_t old_count = from.positions.size(), triangle_count = from.triangles.size();
-  const std::vector<Side> edges = simplify::filtered(
+  const std::vector<Side> edges = surface::filtered(
       from.opposite.size(), [&](std::size_t s) { return from.isEdge(static_cast<Side>(s)); });
   const std::size_t count = old_count + edges.size();
 

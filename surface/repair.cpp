@@ -1,4 +1,4 @@
-#include "tools/simplify/repair.h"
+#include "surface/repair.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
@@ -15,12 +15,12 @@
 #include <unordered_map>
 #include <utility>
 
-#include "tools/simplify/edge_groups.h"
-#include "tools/simplify/inside_out.h"
-#include "tools/simplify/needles.h"
-#include "tools/simplify/parallel_lists.h"
+#include "surface/edge_groups.h"
+#include "surface/inside_out.h"
+#include "surface/needles.h"
+#include "surface/parallel_lists.h"
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 namespace {
 
 using Index = std::uint32_t;
@@ -592,4 +592,4 @@ Topology topology(const WorkingMesh& mesh) {
   return result;
 }
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

@@ -1,12 +1,12 @@
-// The half-edge structure (OpenMesh) that local operations of this stage work on.
+// The half-edge structure (OpenMesh) for operations that flat arrays do not suit.
 #pragma once
 
 #include <OpenMesh/Core/IO/MeshIO.hh>
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 
-#include "tools/simplify/working_mesh.h"
+#include "surface/working_mesh.h"
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 
 inline constexpr std::uint32_t kNoMaterial = ~std::uint32_t{0};
 
@@ -39,4 +39,4 @@ HalfEdgeMesh halfEdgeMesh(const WorkingMesh& mesh);
 // Collects garbage first.
 WorkingMesh workingMesh(HalfEdgeMesh& mesh);
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

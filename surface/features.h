@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "tools/simplify/corner_mesh.h"
+#include "surface/corner_mesh.h"
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 
 struct FeatureCounts {
   std::int64_t crease_edges = 0;
@@ -26,4 +26,4 @@ FeatureCounts markFeatures(CornerMesh& mesh, double crease_angle_deg, double min
 // Forgets all marks except those of the borders.
 void releaseCreases(CornerMesh& mesh);
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

@@ -1,8 +1,8 @@
-#include "tools/simplify/half_edge_mesh.h"
+#include "surface/half_edge_mesh.h"
 
 #include <stdexcept>
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 
 bool isMaterialBorder(const HalfEdgeMesh& mesh, EdgeHandle edge) {
   if (mesh.is_boundary(edge)) return false;
@@ -41,4 +41,4 @@ WorkingMesh workingMesh(HalfEdgeMesh& half_edges) {
   return mesh;
 }
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

@@ -1,4 +1,4 @@
-#include "tools/simplify/losses.h"
+#include "surface/losses.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "formats/error.h"
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 
 using Box = Eigen::AlignedBox3d;
 using formats::Float3;
@@ -222,4 +222,4 @@ std::vector<std::string> roundingWarnings(const TriangleMesh& result) {
       "is exported"};
 }
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

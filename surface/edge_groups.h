@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "tools/simplify/working_mesh.h"
+#include "surface/working_mesh.h"
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 
 // One corner of a triangle and the side that starts there: 3 × triangle + corner.
 using Side = std::uint32_t;
@@ -37,4 +37,4 @@ class EdgeGroups {
   std::vector<std::uint32_t> first_;  // of each group, and one past the last
 };
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

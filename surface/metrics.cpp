@@ -1,4 +1,4 @@
-#include "tools/simplify/metrics.h"
+#include "surface/metrics.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 namespace {
 
 double minAngle(const WorkingMesh& mesh, std::size_t t) {
@@ -105,4 +105,4 @@ Deviation deviation(const SurfaceQuery& a, const SurfaceQuery& b, std::size_t sa
   return {std::max(ab.hausdorff, ba.hausdorff), (ab.mean + ba.mean) / 2};
 }
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

@@ -1,4 +1,4 @@
-#include "tools/simplify/edge_groups.h"
+#include "surface/edge_groups.h"
 
 #include <tbb/parallel_for.h>
 
@@ -6,7 +6,7 @@
 #include <atomic>
 #include <numeric>
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 
 EdgeGroups::EdgeGroups(const SurfaceMesh& mesh) : sides_(3 * mesh.triangles.size()) {
   struct Ends {
@@ -51,4 +51,4 @@ EdgeGroups::EdgeGroups(const SurfaceMesh& mesh) : sides_(3 * mesh.triangles.size
   });
 }
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

@@ -1,4 +1,4 @@
-#include "tools/simplify/inside_out.h"
+#include "surface/inside_out.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 namespace {
 
 using Index = std::uint32_t;
@@ -84,4 +84,4 @@ std::int64_t turnInsideOutComponents(WorkingMesh& mesh, const Components& compon
   return turned;
 }
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

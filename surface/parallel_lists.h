@@ -9,7 +9,7 @@
 #include <numeric>
 #include <vector>
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 
 // The items that `keep` holds for, in order. All TBB threads.
 template <class Item, class Keep>
@@ -51,4 +51,4 @@ std::vector<std::uint32_t> filtered(const std::vector<std::uint32_t>& list, Keep
       list.size(), [&](std::size_t i) { return list[i]; }, keep);
 }
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

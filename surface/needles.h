@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "tools/simplify/working_mesh.h"
+#include "surface/working_mesh.h"
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 
 struct NeedleCounts {
   std::int64_t removed = 0;
@@ -17,4 +17,4 @@ struct NeedleCounts {
 // no T-junction appears. `mesh` must be an oriented manifold and stays one. Bounded number of passes.
 NeedleCounts removeNeedles(WorkingMesh& mesh, double min_height);
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

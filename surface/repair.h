@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "tools/simplify/working_mesh.h"
+#include "surface/working_mesh.h"
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 
 // Every count is 0 for a clean mesh.
 struct RepairCounts {
@@ -53,4 +53,4 @@ struct Topology {
 // `mesh` must be repaired.
 Topology topology(const WorkingMesh& mesh);
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

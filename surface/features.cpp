@@ -1,4 +1,4 @@
-#include "tools/simplify/features.h"
+#include "surface/features.h"
 
 #include <tbb/parallel_for.h>
 
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 namespace {
 
 // A feature line that turns by more than this at a vertex has a corner there.
@@ -127,4 +127,4 @@ void releaseCreases(CornerMesh& mesh) {
   }
 }
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

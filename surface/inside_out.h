@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "tools/simplify/working_mesh.h"
+#include "surface/working_mesh.h"
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 
 // Triangles that hang together through shared edges.
 struct Components {
@@ -21,4 +21,4 @@ struct Components {
 // where no volume is negative; otherwise O(n) more for each component within the bounding box of another.
 std::int64_t turnInsideOutComponents(WorkingMesh& mesh, const Components& components);
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

@@ -1,6 +1,6 @@
-#include "tools/simplify/working_mesh.h"
+#include "surface/working_mesh.h"
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 
 void keepTriangles(WorkingMesh& mesh, const std::vector<bool>& keep) {
   std::size_t kept = 0;
@@ -24,4 +24,4 @@ WorkingMesh workingMesh(const formats::TriangleMesh& mesh) {
   return working;
 }
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

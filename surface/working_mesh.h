@@ -10,7 +10,7 @@
 #include "transport/surface_query.h"
 #include "transport/vector_types.h"
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 
 using formats::Triangle;
 using transport::SurfaceMesh;
@@ -42,4 +42,4 @@ void keepTriangles(WorkingMesh& mesh, const std::vector<bool>& keep);
 
 WorkingMesh workingMesh(const formats::TriangleMesh& mesh);
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

@@ -1,10 +1,10 @@
-#include "tools/simplify/corner_mesh.h"
+#include "surface/corner_mesh.h"
 
 #include <tbb/parallel_for.h>
 
 #include <stdexcept>
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 
 CornerMesh::CornerMesh(const SurfaceMesh& mesh)
     : positions(mesh.positions),
@@ -180,4 +180,4 @@ void CornerMesh::compact() {
   if (!materials.empty()) materials.resize(kept);
 }
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

@@ -1,4 +1,4 @@
-#include "tools/simplify/collapse.h"
+#include "surface/collapse.h"
 
 #include <tbb/parallel_for.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 namespace {
 
 // Collapsing an edge of length l costs as much as a deviation of this share of l does.
@@ -228,4 +228,4 @@ std::size_t Collapses::apply(std::uint32_t vertex, std::uint32_t onto, Workspace
   return removed;
 }
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

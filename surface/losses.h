@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "formats/triangle_mesh.h"
-#include "tools/simplify/repair.h"
+#include "surface/repair.h"
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 
 // Throws Error(kBadInput) naming `file`, and the vertex, for meshes farther out than 1e18 or smaller than
 // 1e-18 units: past those, products of lengths leave the range of the floats that later stages work in.
@@ -35,4 +35,4 @@ std::vector<std::string> lossWarnings(const formats::TriangleMesh& mesh, const E
 // Triangles of the result that its own rounding to floats has made collapse, if there are any.
 std::vector<std::string> roundingWarnings(const formats::TriangleMesh& result);
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "tools/simplify/corner_mesh.h"
-#include "tools/simplify/decimate.h"
+#include "surface/corner_mesh.h"
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
+
+// How far the constraints had to be given up to reach the target.
+enum class DecimationLevel { kFull, kWithoutCreases, kUnconstrained };
 
 // Vertices of at least this many triangles; what happens next to one is not done by threads at once.
 inline constexpr std::uint32_t kHubTriangles = 24;
@@ -61,4 +63,4 @@ class Collapses {
   std::vector<std::uint32_t> valence_;  // neighbours of each vertex
 };
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "tools/simplify/working_mesh.h"
+#include "surface/working_mesh.h"
 #include "transport/surface_query.h"
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 
 double area(const SurfaceMesh& mesh);
 // Signed volume enclosed, about the bounding box's centre; meaningful for closed meshes.
@@ -39,4 +39,4 @@ struct Deviation {
 // fixed low-discrepancy sequence. All TBB threads, same result whatever their number.
 Deviation deviation(const SurfaceQuery& a, const SurfaceQuery& b, std::size_t samples);
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

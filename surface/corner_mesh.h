@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "tools/simplify/edge_groups.h"
-#include "tools/simplify/working_mesh.h"
+#include "surface/edge_groups.h"
+#include "surface/working_mesh.h"
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 
 // A corner table (Rossignac et al. 2001) of an oriented manifold. An operation on a vertex or an edge writes
 // only to what it says below, so that operations far enough from each other may run at once.
@@ -96,4 +96,4 @@ class CornerMesh {
   std::uint32_t addTriangle(const Triangle& triangle, std::uint32_t like);
 };
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface

@@ -1,11 +1,11 @@
-#include "tools/simplify/needles.h"
+#include "surface/needles.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tools/simplify/half_edge_mesh.h"
+#include "surface/half_edge_mesh.h"
 
-namespace bakelight::simplify {
+namespace bakelight::surface {
 namespace {
 
 constexpr int kMaxPasses = 16;
@@ -114,4 +114,4 @@ NeedleCounts removeNeedles(WorkingMesh& mesh, double min_height) {
   return counts;
 }
 
-}  // namespace bakelight::simplify
+}  // namespace bakelight::surface
