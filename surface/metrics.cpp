@@ -32,7 +32,7 @@ Deviation oneWay(const SurfaceMesh& from, const SurfaceQuery& to, std::size_t sa
                     [&](const tbb::blocked_range<std::size_t>& range) {
                       std::uint32_t near_triangle = 0;
                       for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                        const SurfacePoint met = to.closestFrom(near_triangle, points[i]);
+                        const ClosestPoint met = to.closestFrom(near_triangle, points[i]);
                         near_triangle = met.triangle;
                         distances[i] = met.distance;
                       }

@@ -13,8 +13,8 @@
 namespace bakelight::surface {
 
 using formats::Triangle;
+using transport::ClosestPoint;
 using transport::SurfaceMesh;
-using transport::SurfacePoint;
 using transport::SurfaceQuery;
 using transport::Vec3;
 

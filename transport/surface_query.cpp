@@ -31,7 +31,7 @@ struct SurfaceQuery::Implementation {
     rtcReleaseDevice(device);
   }
 
-  SurfacePoint on(std::uint32_t triangle, const Vec3& position) const;
+  ClosestPoint on(std::uint32_t triangle, const Vec3& position) const;
   // Boxes as near as that have corners no farther out than query and distance together.
   static float radius(const Vec3& position, double distance) {
     const double rounding = kMarginUnit * (position.cwiseAbs().maxCoeff() + distance);
@@ -45,12 +45,12 @@ struct SurfaceQuery::Implementation {
     Among among;
     Material material = {};
     double factor = 1;
-    SurfacePoint best = {}, facing = {};
+    ClosestPoint best = {}, facing = {};
 
     void meet(std::uint32_t triangle);
     // What is farther cannot matter any more.
     double reach() const;
-    SurfacePoint result() const;
+    ClosestPoint result() const;
   };
   struct Probe {
     const Implementation* surface;
@@ -60,10 +60,10 @@ struct SurfaceQuery::Implementation {
   };
   static bool visit(RTCPointQueryFunctionArguments* arguments);
   static bool visitProbe(RTCPointQueryFunctionArguments* arguments);
-  SurfacePoint run(Search search) const;
+  ClosestPoint run(Search search) const;
 };
 
-SurfacePoint SurfaceQuery::Implementation::on(std::uint32_t t, const Vec3& from) const {
+ClosestPoint SurfaceQuery::Implementation::on(std::uint32_t t, const Vec3& from) const {
   const Vec3 &a = mesh.corner(t, 0), &b = mesh.corner(t, 1), &c = mesh.corner(t, 2);
   const Vec3 weights = closestWeights(a, b, c, from);
   const Vec3 position = weights[0] * a + weights[1] * b + weights[2] * c;
@@ -74,8 +74,8 @@ void SurfaceQuery::Implementation::Search::meet(std::uint32_t triangle) {
   if (material && surface->mesh.materials[triangle] != *material) return;
   const bool faces = among != Among::kAll && surface->normals[triangle].dot(normal) > 0;
   if (among == Among::kFacing && !faces) return;
-  const SurfacePoint met = surface->on(triangle, position);
-  const auto keep = [&](SurfacePoint& of) {
+  const ClosestPoint met = surface->on(triangle, position);
+  const auto keep = [&](ClosestPoint& of) {
     if (!of.valid || met.distance < of.distance ||
         (met.distance == of.distance && met.triangle < of.triangle))
       of = met;
@@ -90,7 +90,7 @@ double SurfaceQuery::Implementation::Search::reach() const {
   return facing.valid ? std::min(facing.distance, factor * best.distance) : factor * best.distance;
 }
 
-SurfacePoint SurfaceQuery::Implementation::Search::result() const {
+ClosestPoint SurfaceQuery::Implementation::Search::result() const {
   const bool prefer =
       among == Among::kPreferFacing && facing.valid && facing.distance <= factor * best.distance;
   return prefer ? facing : best;
@@ -123,7 +123,7 @@ RTCPointQuery pointQuery(const Vec3& position, float radius) {
 
 }  // namespace
 
-SurfacePoint SurfaceQuery::Implementation::run(Search search) const {
+ClosestPoint SurfaceQuery::Implementation::run(Search search) const {
   RTCPointQuery query = pointQuery(search.position, radius(search.position, search.reach()));
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
@@ -164,7 +164,7 @@ SurfaceQuery::SurfaceQuery(SurfaceMesh mesh) : implementation_(std::make_unique<
 
 SurfaceQuery::~SurfaceQuery() = default;
 
-SurfacePoint SurfaceQuery::closest(const Vec3& position, Material material,
+ClosestPoint SurfaceQuery::closest(const Vec3& position, Material material,
                                    std::optional<std::uint32_t> near_triangle) const {
   Implementation::Search search{implementation_.get(), position, Vec3::Zero(), Implementation::Among::kAll,
                                 material};
@@ -172,13 +172,13 @@ SurfacePoint SurfaceQuery::closest(const Vec3& position, Material material,
   return implementation_->run(search);
 }
 
-SurfacePoint SurfaceQuery::closestFrom(std::uint32_t near_triangle, const Vec3& position) const {
+ClosestPoint SurfaceQuery::closestFrom(std::uint32_t near_triangle, const Vec3& position) const {
   Implementation::Search search{implementation_.get(), position, Vec3::Zero(), Implementation::Among::kAll};
   search.meet(near_triangle);
   return implementation_->run(search);
 }
 
-SurfacePoint SurfaceQuery::closestFacing(const Vec3& position, const Vec3& normal, Material material,
+ClosestPoint SurfaceQuery::closestFacing(const Vec3& position, const Vec3& normal, Material material,
                                          std::optional<std::uint32_t> near_triangle) const {
   Implementation::Search search{implementation_.get(), position, normal, Implementation::Among::kFacing,
                                 material};
@@ -186,7 +186,7 @@ SurfacePoint SurfaceQuery::closestFacing(const Vec3& position, const Vec3& norma
   return implementation_->run(search);
 }
 
-SurfacePoint SurfaceQuery::closestPreferFacing(const Vec3& position, const Vec3& normal, double factor,
+ClosestPoint SurfaceQuery::closestPreferFacing(const Vec3& position, const Vec3& normal, double factor,
                                                std::uint32_t near_triangle) const {
   Implementation::Search search{implementation_.get(), position, normal,
                                 Implementation::Among::kPreferFacing};

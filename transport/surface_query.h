@@ -24,7 +24,7 @@ struct SurfaceMesh {
   }
 };
 
-struct SurfacePoint {
+struct ClosestPoint {
   bool valid = false;  // false only if no triangle qualifies
   double distance = 0;
   Vec3 position = Vec3::Zero();
@@ -47,18 +47,18 @@ class SurfaceQuery {
   // Only among triangles of one material, if that is given; the mesh must have materials then.
   using Material = std::optional<std::uint32_t>;
 
-  SurfacePoint closest(const Vec3& position, Material material = std::nullopt,
+  ClosestPoint closest(const Vec3& position, Material material = std::nullopt,
                        std::optional<std::uint32_t> near_triangle = std::nullopt) const;
   // Only among triangles whose normal is within 90° of `normal`, so that the far side of a thin sheet is
   // never met.
-  SurfacePoint closestFacing(const Vec3& position, const Vec3& normal, Material material = std::nullopt,
+  ClosestPoint closestFacing(const Vec3& position, const Vec3& normal, Material material = std::nullopt,
                              std::optional<std::uint32_t> near_triangle = std::nullopt) const;
 
   // The closest of those where it is no farther than `factor` (≥ 1) times the closest of all; else that one.
-  SurfacePoint closestPreferFacing(const Vec3& position, const Vec3& normal, double factor,
+  ClosestPoint closestPreferFacing(const Vec3& position, const Vec3& normal, double factor,
                                    std::uint32_t near_triangle) const;
   // The closest of all, from a triangle near it.
-  SurfacePoint closestFrom(std::uint32_t near_triangle, const Vec3& position) const;
+  ClosestPoint closestFrom(std::uint32_t near_triangle, const Vec3& position) const;
   // Whether any point of the surface is that near.
   bool within(const Vec3& position, double distance) const;
 

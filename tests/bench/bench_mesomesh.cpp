@@ -1,23 +1,35 @@
-// Retiling of the Stanford bunny to 960,000 vertices, and CGAL's isotropic remeshing of the same mesh to as
-// many, in the same run.
+// The Stanford bunny with 960,000 vertices: retiling, and CGAL's isotropic remeshing of the same mesh to as many;
+// then three exemplars laid out over it, with the figures of quality, and what these figures are for places at
+// random, for a tiling of a flat torus and for the exhaustive search (controls).
 //
 //   bench_mesomesh [Google Benchmark flags]
 //   BAKELIGHT_BENCH_MESH=path         another mesh
 //   BAKELIGHT_BENCH_CGAL_ITERATIONS=n of the rival (1); 0 leaves it out
+//   BAKELIGHT_BENCH_THREADS=n         no more than n threads
+//   BAKELIGHT_BENCH_PICTURES=folder   pictures of what was laid out
 //   BAKELIGHT_BENCH_LARGE=1           60,000 to 4,000,000 vertices, too: how time and memory grow
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
 
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
+#include <optional>
 #include <string>
 
 #include "cgal_remesh.h"
 #include "formats/error.h"
 #include "formats/mesh_import.h"
+#include "synthesis_benchmarks.h"
+#include "tools/atlas/make_atlas.h"
 #include "tools/mesomesh/field/direction_field.h"
 #include "tools/mesomesh/retile/retile.h"
+#include "tools/simplify/simplify.h"
+#include "transport/surface_query.h"
+#include "transport/vector_types.h"
 
 namespace bakelight::mesomesh {
 namespace {
@@ -83,6 +95,48 @@ void run(benchmark::State& state, std::int64_t vertices, bool has_rival) {
               rival.mean_quality, rival.seconds, iterations);
 }
 
+// Of each vertex, whether an edge joins it to another chart of an atlas of the simplified mesh.
+std::vector<std::uint8_t> besideCuts(const formats::TriangleMesh& mesh) {
+  simplify::SimplifyOptions simplification;
+  simplification.triangles = 20'000;
+  const atlas::Atlas atlas =
+      atlas::makeAtlas(simplify::simplify(bunny(), simplification, "bench").mesh, {}, {}, "bench").atlas;
+  transport::SurfaceMesh surface;
+  for (const formats::Float3& p : atlas.mesh.positions) surface.positions.push_back(transport::vec3(p));
+  surface.triangles = atlas.mesh.triangles;
+  const transport::SurfaceQuery query(std::move(surface));
+  std::vector<std::uint32_t> charts(mesh.vertexCount());
+  tbb::parallel_for(std::size_t{0}, charts.size(), [&](std::size_t v) {
+    const transport::ClosestPoint point =
+        query.closestFacing(transport::vec3(mesh.positions[v]), transport::vec3(mesh.normals[v]));
+    charts[v] = point.valid ? atlas.triangle_charts[point.triangle] : ~0U;
+  });
+  std::vector<std::uint8_t> beside(charts.size(), 0);
+  for (const formats::Triangle& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (charts[t[k]] != charts[t[(k + 1) % 3]]) beside[t[k]] = beside[t[(k + 1) % 3]] = 1;
+  return beside;
+}
+
+const SynthesisSurface& retiledBunny(int folds) {
+  static const RetiledMesh retiled = [] {
+    RetileOptions options;
+    options.vertices = kVertices;
+    return retile(bunny(), options, "bench");
+  }();
+  static const std::vector<std::uint8_t> beside = besideCuts(retiled.mesh);
+  static std::map<int, SynthesisSurface> surfaces;
+  SynthesisSurface& made = surfaces[folds];
+  if (made.on_seam.empty()) {
+    made.surface.mesh = retiled.mesh;
+    made.surface.tangents =
+        directionField(retiled.mesh, {folds, RetileOptions().crease_angle_deg}, {}, "").tangents;
+    made.surface.exemplars.assign(retiled.mesh.vertexCount(), 0);
+    made.on_seam = beside;
+  }
+  return made;
+}
+
 void registerAll() {
   const auto add = [](const std::string& name, std::int64_t vertices, bool has_rival) {
     benchmark::RegisterBenchmark(name.c_str(),
@@ -96,6 +150,7 @@ void registerAll() {
     for (const int vertices : {60'000, 240'000, 960'000, 2'000'000, 4'000'000})
       add("mesomesh/size/" + std::to_string(vertices), vertices, false);
   add("mesomesh/bunny", kVertices, true);
+  registerSynthesis(retiledBunny);
 }
 
 }  // namespace
@@ -105,6 +160,9 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   try {
+    const std::string threads = bakelight::mesomesh::environment("BAKELIGHT_BENCH_THREADS", "");
+    std::optional<tbb::global_control> limit;
+    if (!threads.empty()) limit.emplace(tbb::global_control::max_allowed_parallelism, std::stoul(threads));
     bakelight::mesomesh::registerAll();
     benchmark::RunSpecifiedBenchmarks();
   } catch (const bakelight::Error& error) {

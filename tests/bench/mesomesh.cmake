@@ -5,5 +5,6 @@ bakelight_library(bakelight_bench_cgal
   PRIVATE CGAL::CGAL Eigen3::Eigen
   OWN_FLAGS)
 bakelight_benchmark(bench_mesomesh
-  SOURCES bench_mesomesh.cpp
-  LIBRARIES bakelight_mesomesh bakelight_bench_cgal bakelight_formats_mesh_import)
+  SOURCES bench_mesomesh.cpp synthesis_benchmarks.cpp
+  LIBRARIES bakelight_mesomesh bakelight_mesomesh_synthesis bakelight_atlas bakelight_simplify bakelight_bench_cgal
+            bakelight_formats_mesh_import TBB::tbb)

@@ -28,11 +28,10 @@ enum class Layout {
   kModel,  // a render
   kAtlas,  // the unit square of the texture coordinates
 };
-inline constexpr formats::Word<Paint> kPaints[] = {{"auto", Paint::kAutomatic},
-                                                   {"none", Paint::kNone},
-                                                   {"charts", Paint::kCharts},
-                                                   {"stretch", Paint::kStretch},
-                                                   {"materials", Paint::kMaterials},{"colors", Paint::kColors},{"patch", Paint::kPatch},{"tangents", Paint::kTangents},{"coherence", Paint::kCoherence}};
+inline constexpr formats::Word<Paint> kPaints[] = {
+    {"auto", Paint::kAutomatic},  {"none", Paint::kNone},           {"charts", Paint::kCharts},
+    {"stretch", Paint::kStretch}, {"materials", Paint::kMaterials}, {"colors", Paint::kColors},
+    {"patch", Paint::kPatch},     {"tangents", Paint::kTangents},   {"coherence", Paint::kCoherence}};
 inline constexpr formats::Word<Layout> kLayouts[] = {{"model", Layout::kModel}, {"atlas", Layout::kAtlas}};
 
 struct PreviewOptions {

@@ -57,16 +57,16 @@ class Source {
 
   // The place that a point of a triangle with that normal and material takes its colour from. `near`: that of
   // a point near by, if known; it changes no answer.
-  SurfacePoint closest(const Vec3& position, const Vec3& normal, std::optional<std::uint32_t> material,
+  ClosestPoint closest(const Vec3& position, const Vec3& normal, std::optional<std::uint32_t> material,
                        std::optional<std::uint32_t> near) const {
-    SurfacePoint point = surface_.closestFacing(position, normal, material, near);
+    ClosestPoint point = surface_.closestFacing(position, normal, material, near);
     if (!point.valid) point = surface_.closest(position, material);  // the source is inside out here
     if (!point.valid) point = surface_.closest(position);
     return point;
   }
 
   // The mean over an area around the point.
-  Vec3 colorAt(const SurfacePoint& point, double area) const {
+  Vec3 colorAt(const ClosestPoint& point, double area) const {
     const auto& corners = import_.mesh.triangles[point.triangle];
     Vec3 color = Vec3::Ones();
     if (!import_.mesh.colors.empty()) {
@@ -160,7 +160,7 @@ CarriedAlbedo carryAlbedo(const MeshImport& source, const TriangleMesh& simplifi
     for (const Vec3& w : weights) {
       const Vec3 position =
           w[0] * target.corner(t, 0) + w[1] * target.corner(t, 1) + w[2] * target.corner(t, 2);
-      const SurfacePoint point = original.closest(position, area, material, near);
+      const ClosestPoint point = original.closest(position, area, material, near);
       near = point.triangle;
       const double sample_area = areas[t] / static_cast<double>(weights.size());
       const Vec3 color = original.colorAt(point, sample_area) / static_cast<double>(weights.size());

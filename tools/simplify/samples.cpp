@@ -46,7 +46,7 @@ void Samples::assign(const CornerMesh& mesh) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
           // On a thin sheet the far side may be the nearer one. Where nothing facing is near, the normal
           // itself is noise.
-          const SurfacePoint nearest =
+          const ClosestPoint nearest =
               query.closestPreferFacing(positions_[i], normals_[i], kFacingFactor, near_triangle);
           near_triangle = triangle_[i] = nearest.triangle;
           distance2_[i] = nearest.distance * nearest.distance;

@@ -139,8 +139,8 @@ TEST(Cuts, BadFilesNameTheirPlace) {
   EXPECT_THAT(errorOf(Json::array()), HasSubstr("JSON object"));
   EXPECT_THAT(errorOf({{"corner", {1}}}), HasSubstr("/corner: unknown key \"corner\""));
   EXPECT_THAT(errorOf({{"corner", {1}}}), HasSubstr("write \"corners\""));
-  EXPECT_THAT(errorOf({{"cuts", 3}}), HasSubstr("at /cuts: is number"));
-  EXPECT_THAT(errorOf({{"cuts", {1, 2}}}), HasSubstr("at /cuts/0: is number"));
+  EXPECT_THAT(errorOf({{"cuts", 3}}), HasSubstr("at /cuts: it is a number"));
+  EXPECT_THAT(errorOf({{"cuts", {1, 2}}}), HasSubstr("at /cuts/0: it is a number"));
   EXPECT_THAT(errorOf({{"cuts", Json::array({Json::array({1})})}}), HasSubstr("at /cuts/0: has 1 points"));
   EXPECT_THAT(errorOf({{"cuts", {{1, 2}, {3, "a"}}}}), HasSubstr("at /cuts/1/1: \"a\" is no point"));
   EXPECT_THAT(errorOf({{"cuts", {{1, 2.5}}}}), HasSubstr("at /cuts/0/1: 2.5 is no point"));

@@ -140,7 +140,8 @@ TEST(AtlasPreview, AMeshWithoutTexcoordsIsAnError) {
 
 TEST(AtlasPreview, EveryChoiceHasAWord) {
   EXPECT_THAT(formats::textsOf(kPaints),
-              testing::ElementsAre("auto", "none", "charts", "stretch", "materials"));
+              testing::ElementsAre("auto", "none", "charts", "stretch", "materials", "colors", "patch",
+                                   "tangents", "coherence"));
   EXPECT_THAT(formats::textsOf(kLayouts), testing::ElementsAre("model", "atlas"));
   EXPECT_STREQ(formats::wordFor(kPaints, Paint::kStretch), "stretch");
 }

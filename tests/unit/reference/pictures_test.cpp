@@ -378,9 +378,8 @@ TEST(Scene, RefusesMeshesThatCannotBeShaded) {
 // What a picture's metadata say can be read back whatever the tools were told: one rule on both sides.
 TEST(FrameOptions, HaveTheRangesOfFrameSettings) {
   formats::FrameSettings settings;
-  std::string background = "environment";
   stage::Tool tool("frame", "");
-  stage::declareFrame(tool, settings, background);
+  stage::declareFrame(tool, settings);
   int compared = 0;
   for (const auto& parameter : tool.description().parameters) {
     if (!parameter.minimum) continue;

@@ -46,7 +46,7 @@ TEST(Metrics, DeviationSeesWhatOnlyOneSideHas) {
 TEST(SurfaceQuery, FindsTheClosestPointOfASphere) {
   const SurfaceQuery query(workingMesh(tests::icosphere(3)));
   for (const Vec3& p : {Vec3(2, 0, 0), Vec3(0.3, -0.4, 0.1), Vec3(-5, 7, 9)}) {
-    const SurfacePoint nearest = query.closest(p);
+    const ClosestPoint nearest = query.closest(p);
     // By brute force over all triangles' corners and the facets' chord error (0.9%).
     EXPECT_NEAR(nearest.distance, std::abs(p.norm() - 1), 0.01);
     EXPECT_NEAR((nearest.position - p).norm(), nearest.distance, 1e-12);

@@ -5,9 +5,9 @@
 #include <Eigen/Geometry>
 #include <random>
 
+#include "surface/half_edge_mesh.h"
 #include "surface/metrics.h"
 #include "tests/support/shapes.h"
-#include "surface/half_edge_mesh.h"
 #include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {

@@ -22,7 +22,8 @@ std::vector<DirectionHint> readHints(const std::filesystem::path& path) {
   const formats::JsonReader list(json, file);
   if (!json.is_array()) throw list.error(std::string("is ") + json.type_name(), kExpected);
   for (const formats::JsonReader& entry : list.items()) {
-    const DirectionHint hint = {entry.at("point", kThree).float3(kRange), entry.at("direction", kThree).float3(kRange)};
+    const DirectionHint hint = {entry.at("point", kThree).float3(kRange),
+                                entry.at("direction", kThree).float3(kRange)};
     entry.refuseOthers();
     if (!(transport::vec3(hint.direction).norm() > 0))
       throw badInput(entry.placeOf("direction"), "the direction has no length", "[x, y, z], not all 0");

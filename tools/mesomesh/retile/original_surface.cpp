@@ -155,12 +155,12 @@ void OriginalSurface::findCurves() {
   curves_.emplace(std::move(segments));
 }
 
-SurfacePoint OriginalSurface::onRegion(const Vec3& position, const Vec3& normal, std::uint32_t region,
+ClosestPoint OriginalSurface::onRegion(const Vec3& position, const Vec3& normal, std::uint32_t region,
                                        std::uint32_t near_triangle) const {
   return surface_->closestFacing(position, normal, region, near_triangle);
 }
 
-SurfacePoint OriginalSurface::onCurve(const Vec3& position, std::uint32_t curve,
+ClosestPoint OriginalSurface::onCurve(const Vec3& position, std::uint32_t curve,
                                       std::uint32_t near_segment) const {
   return curves_->closest(position, curve, near_segment);
 }

@@ -17,7 +17,7 @@ using surface::kNone;
 using surface::nextSide;
 using surface::previousSide;
 using surface::Side;
-using transport::SurfacePoint;
+using transport::ClosestPoint;
 using transport::SurfaceQuery;
 using transport::Vec3;
 
@@ -50,10 +50,10 @@ class OriginalSurface {
   const surface::FeatureCounts& features() const { return features_; }
 
   // The closest point of the region that faces as `normal` does; invalid if none does.
-  SurfacePoint onRegion(const Vec3& position, const Vec3& normal, std::uint32_t region,
+  ClosestPoint onRegion(const Vec3& position, const Vec3& normal, std::uint32_t region,
                         std::uint32_t near_triangle) const;
   // `triangle` is the segment's number.
-  SurfacePoint onCurve(const Vec3& position, std::uint32_t curve, std::uint32_t near_segment) const;
+  ClosestPoint onCurve(const Vec3& position, std::uint32_t curve, std::uint32_t near_segment) const;
   // Unit, interpolated, smooth but across creases.
   Vec3 normalAt(std::uint32_t triangle, const Vec3& barycentric) const;
   const Vec3& triangleNormal(std::uint32_t triangle) const { return surface_->triangleNormal(triangle); }

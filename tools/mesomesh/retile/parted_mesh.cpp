@@ -42,7 +42,7 @@ Vec3 normalOf(const SlidingMesh& sliding, const OriginalSurface& original, std::
     const Vec3 inside = at + kStep * (middle / static_cast<double>(fan.size()) - at);
     const Side s = fan.front();
     // Whichever vertex of the fan lies inside of its region knows a triangle of it.
-    const SurfacePoint foot = original.surface().closestFacing(inside, area, mesh.materials[s / 3]);
+    const ClosestPoint foot = original.surface().closestFacing(inside, area, mesh.materials[s / 3]);
     if (!foot.valid) return area.norm() > 0 ? Vec3(area.normalized()) : Vec3(Vec3::UnitY());
     triangle = foot.triangle;
   }

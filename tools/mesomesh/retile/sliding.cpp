@@ -44,12 +44,12 @@ Ring ringOf(const CornerMesh& mesh, std::uint32_t v) {
 Vec3 onOriginal(SlidingMesh& sliding, const OriginalSurface& original, std::uint32_t v, const Vec3& position,
                 const Vec3& normal) {
   if (sliding.isOnCurve(v)) {
-    const SurfacePoint foot = original.onCurve(position, sliding.curve[v], sliding.segment[v]);
+    const ClosestPoint foot = original.onCurve(position, sliding.curve[v], sliding.segment[v]);
     sliding.segment[v] = foot.triangle;
     return foot.position;
   }
   const std::uint32_t region = sliding.mesh.materials[sliding.mesh.leaving[v] / 3];
-  const SurfacePoint foot = original.onRegion(position, normal, region, sliding.near[v]);
+  const ClosestPoint foot = original.onRegion(position, normal, region, sliding.near[v]);
   if (!foot.valid) return sliding.mesh.positions[v];
   sliding.near[v] = foot.triangle;
   return foot.position;

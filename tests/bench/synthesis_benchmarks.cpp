@@ -1,25 +1,14 @@
-// Synthesis of three exemplars over a rippled ball of 960,000 vertices, cut in two: seconds and quality, beside
-// controls whose figures are known.
-//
-//   bench_synthesis [Google Benchmark flags]
-//   BAKELIGHT_BENCH_VERTICES=n      another number of vertices (960000)
-//   BAKELIGHT_BENCH_MESH=path       another mesh, subdivided until it has half as many at least
-//   BAKELIGHT_BENCH_THREADS=n       no more than n threads
-//   BAKELIGHT_BENCH_PICTURES=folder pictures of the results
+#include "synthesis_benchmarks.h"
+
 #include <benchmark/benchmark.h>
-#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <optional>
 #include <string>
 
-#include "formats/error.h"
 #include "formats/image.h"
-#include "formats/mesh_import.h"
 #include "tests/support/exemplars.h"
 #include "tests/support/painted_picture.h"
 #include "tests/support/rippled_ball.h"
@@ -38,17 +27,7 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-const tests::TexturedSurface& largeSurface() {
-  static const tests::TexturedSurface surface = [] {
-    const std::size_t vertices = std::stoul(environment("BAKELIGHT_BENCH_VERTICES", "960000"));
-    const std::string path = environment("BAKELIGHT_BENCH_MESH", "");
-    if (path.empty()) return tests::cut(tests::texturedSurface(tests::rippledBall(2 * vertices)));
-    formats::TriangleMesh mesh = formats::importMesh(path).mesh;
-    while (2 * mesh.vertexCount() < vertices) mesh = tests::subdivided(mesh);
-    return tests::cut(tests::texturedSurface(std::move(mesh)));
-  }();
-  return surface;
-}
+using Surfaces = std::function<const SynthesisSurface&(int)>;
 
 void count(benchmark::State& state, const SynthesisQuality& quality) {
   state.counters["neighbourhood_error"] = quality.neighborhood_error;
@@ -61,10 +40,14 @@ void count(benchmark::State& state, const SynthesisQuality& quality) {
   state.counters["seam_vertices"] = static_cast<double>(quality.seam_vertices);
 }
 
-void runLarge(benchmark::State& state, const std::string& name, const formats::Image& image) {
-  const tests::TexturedSurface& surface = largeSurface();
+void runLarge(benchmark::State& state, const Surfaces& surfaces, const std::string& name,
+              const formats::Image& image) {
+  const int folds = makeExemplar(image, {}, name).symmetry.folds();
+  const auto& [surface, on_seam] = surfaces(folds);
   for ([[maybe_unused]] const auto iteration : state) {
     SynthesisOptions options;
+    options.folds = static_cast<FieldFolds>(folds);
+    options.on_seam = on_seam;
     options.measure_quality = false;
     const auto start = std::chrono::steady_clock::now();
     const std::vector<Exemplar> exemplars = {makeExemplar(image, {}, name)};
@@ -91,8 +74,9 @@ void runLarge(benchmark::State& state, const std::string& name, const formats::I
 }
 
 // What figures mean: places at random, a tiling, the exhaustive search.
-void runRandom(benchmark::State& state, const std::string& name, const formats::Image& image) {
-  const tests::TexturedSurface& surface = largeSurface();
+void runRandom(benchmark::State& state, const Surfaces& surfaces, const std::string& name,
+               const formats::Image& image) {
+  const tests::TexturedSurface& surface = surfaces(1).surface;
   for ([[maybe_unused]] const auto iteration : state) {
     std::vector<formats::Float2> coordinates(surface.mesh.vertexCount());
     for (std::size_t v = 0; v < coordinates.size(); ++v)
@@ -125,7 +109,9 @@ void runFull(benchmark::State& state, const std::string& name, const formats::Im
   }
 }
 
-void registerAll() {
+}  // namespace
+
+void registerSynthesis(const Surfaces& surfaces) {
   const auto once = [](const std::string& name, const auto& run) {
     return benchmark::RegisterBenchmark(name.c_str(), run)->Iterations(1)->Unit(benchmark::kSecond);
   };
@@ -133,9 +119,9 @@ void registerAll() {
                                     {"stones", tests::stones()},
                                     {"stochastic", tests::stochastic()}}) {
     once("synthesis/" + name, [=](benchmark::State& state) {
-      runLarge(state, name, image);
+      runLarge(state, surfaces, name, image);
     })->UseManualTime();
-    once("control_random/" + name, [=](benchmark::State& state) { runRandom(state, name, image); });
+    once("control_random/" + name, [=](benchmark::State& state) { runRandom(state, surfaces, name, image); });
     once("control_flat_torus/" + name, [=](benchmark::State& state) { runFlatTorus(state, name, image); });
     once("control_small/" + name,
          [=](benchmark::State& state) { runFull(state, name, image, SynthesisMethod::kCoherent); });
@@ -144,21 +130,4 @@ void registerAll() {
   }
 }
 
-}  // namespace
 }  // namespace bakelight::mesomesh
-
-int main(int argc, char** argv) {
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-  try {
-    const std::string threads = bakelight::mesomesh::environment("BAKELIGHT_BENCH_THREADS", "");
-    std::optional<tbb::global_control> limit;
-    if (!threads.empty()) limit.emplace(tbb::global_control::max_allowed_parallelism, std::stoul(threads));
-    bakelight::mesomesh::registerAll();
-    benchmark::RunSpecifiedBenchmarks();
-  } catch (const bakelight::Error& error) {
-    std::fprintf(stderr, "bench_synthesis: %s\n", error.what());
-    return static_cast<int>(error.status());
-  }
-  return 0;
-}
