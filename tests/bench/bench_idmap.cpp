@@ -15,7 +15,6 @@
 #include <cstdlib>
 #include <flann/flann.hpp>
 #include <functional>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +24,7 @@
 #include "tools/atlas/make_atlas.h"
 #include "tools/atlas/maps/geometry_maps.h"
 #include "tools/idmap/idmap.h"
+#include "tools/mesomesh/retile/retile.h"
 #include "tools/simplify/simplify.h"
 #include "transport/morton.h"
 #include "transport/random.h"
@@ -56,33 +56,17 @@ std::string bunnyPath() {
   return std::string(folder != nullptr ? folder : BAKELIGHT_DATA_DIR) + "/models/bunny.obj";
 }
 
-formats::TriangleMesh simplified(int triangles) {
+formats::TriangleMesh simplified() {
   simplify::SimplifyOptions options;
-  options.triangles = triangles;
+  options.triangles = kTriangles;
   return simplify::simplify(formats::importMesh(bunnyPath()).mesh, options, bunnyPath()).mesh;
 }
 
-// Each triangle becomes four; new vertices halve edges.
-formats::TriangleMesh subdivided(const formats::TriangleMesh& mesh) {
-  formats::TriangleMesh finer;
-  finer.positions = mesh.positions;
-  finer.normals = mesh.normals;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
-  const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-    const auto [it, is_new] =
-        middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(finer.positions.size()));
-    if (is_new) {
-      finer.positions.push_back(transport::float3((vec3(finer.positions[a]) + vec3(finer.positions[b])) / 2));
-      finer.normals.push_back(
-          transport::float3((vec3(finer.normals[a]) + vec3(finer.normals[b])).normalized()));
-    }
-    return it->second;
-  };
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-    finer.triangles.insert(finer.triangles.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
-  }
-  return finer;
+// Of the bunny as it was given.
+formats::TriangleMesh mesoMesh() {
+  mesomesh::RetileOptions options;
+  options.vertices = 960'000;
+  return mesomesh::retile(formats::importMesh(bunnyPath()).mesh, options, bunnyPath()).mesh;
 }
 
 struct Query {
@@ -136,8 +120,8 @@ double lineDistance(const formats::TriangleMesh& meso, const Query& query, std::
 }
 
 void bunny(benchmark::State& state) {
-  const formats::TriangleMesh meso = subdivided(subdivided(simplified(70000)));
-  const formats::TriangleMesh coarse = simplified(kTriangles);
+  const formats::TriangleMesh meso = mesoMesh();
+  const formats::TriangleMesh coarse = simplified();
   atlas::AtlasOptions options;
   options.resolution = kResolution;
   const atlas::Atlas made = atlas::makeAtlas(coarse, {}, options, "bunny").atlas;

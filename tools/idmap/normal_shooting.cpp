@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -109,22 +110,36 @@ struct NormalShooting::Implementation {
       const Vertex& vertex = vertices[i];
       if (shot.material && vertex.material != *shot.material) continue;
       if (!(normal.dot(vec3(vertex.normal)) > 0)) continue;
-      const Vec3 way = vec3(vertex.position) - position;
-      const double height = way.dot(normal);
-      const double line = (way - height * normal).squaredNorm();
-      candidates.push_back({i, line, line + kHeightFactor * kHeightFactor * height * height});
+      candidates.push_back(candidateAt(i, position, normal));
     }
   }
 
+  Candidate candidateAt(std::uint32_t vertex, const Vec3& position, const Vec3& normal) const {
+    const Vec3 way = vec3(vertices[vertex].position) - position;
+    const double height = way.dot(normal);
+    const double line = (way - height * normal).squaredNorm();
+    return {vertex, line, line + kHeightFactor * kHeightFactor * height * height};
+  }
+
   // Of equal values the vertex that comes first in the mesh.
+  struct Least {
+    std::uint32_t vertex = kNone;
+    double value = std::numeric_limits<double>::infinity();
+
+    void take(std::uint32_t other, double of_other, const std::vector<Vertex>& all) {
+      if (of_other < value || (of_other == value && vertex != kNone && all[other].index < all[vertex].index))
+        vertex = other, value = of_other;
+    }
+  };
+
   template <double Candidate::*kValue>
   std::size_t least(const std::vector<Candidate>& candidates) const {
     std::size_t best = 0;
-    for (std::size_t i = 1; i < candidates.size(); ++i) {
-      const double value = candidates[i].*kValue, least = candidates[best].*kValue;
-      if (value < least ||
-          (value == least && vertices[candidates[i].vertex].index < vertices[candidates[best].vertex].index))
-        best = i;
+    Least found;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      const std::uint32_t before = found.vertex;
+      found.take(candidates[i].vertex, candidates[i].*kValue, vertices);
+      if (found.vertex != before) best = i;
     }
     return best;
   }
@@ -163,23 +178,31 @@ struct NormalShooting::Implementation {
   // Without finding out which of the group's points are the k nearest, where what is taken is surely one of
   // them: nearly always.
   std::optional<std::uint32_t> takeAtOnce(const Shot& shot, const NearestPoints::Group& group,
-                                          std::vector<Candidate>& candidates, ShotFigures& figures) const {
-    choose(shot, group.points, candidates);
-    if (candidates.empty()) return {};
-    const Candidate &best = candidates[least<&Candidate::line_squared>(candidates)],
-                    &sheet = candidates[least<&Candidate::sheet_squared>(candidates)];
+                                          ShotFigures& figures) const {
+    Least line, sheet;
+    const Vec3 normal = vec3(shot.normal), position = vec3(shot.position);
+    for (const std::uint32_t i : group.points) {
+      const Vertex& vertex = vertices[i];
+      if (shot.material && vertex.material != *shot.material) continue;
+      if (!(normal.dot(vec3(vertex.normal)) > 0)) continue;
+      const Candidate candidate = candidateAt(i, position, normal);
+      line.take(i, candidate.line_squared, vertices);
+      sheet.take(i, candidate.sheet_squared, vertices);
+    }
+    if (line.vertex == kNone) return {};
     const double reach = group.reach - std::sqrt(squaredDistance(shot.position, group.center));
-    const auto isSure = [&](const Candidate& candidate) {
-      return squaredDistance(shot.position, vertices[candidate.vertex].position) < reach * reach;
+    const auto isSure = [&](std::uint32_t vertex) {
+      return squaredDistance(shot.position, vertices[vertex].position) < reach * reach;
     };
-    if (reach <= 0 || !isSure(best) || !isSure(sheet) || !adjacency.connected(best.vertex, sheet.vertex))
+    if (reach <= 0 || !isSure(line.vertex) || !isSure(sheet.vertex) ||
+        !adjacency.connected(line.vertex, sheet.vertex))
       return {};
-    return taken(best, figures);
+    return taken({line.vertex, line.value, 0}, figures);
   }
 
   std::uint32_t take(const Shot& shot, const NearestPoints::Group& group, std::size_t k, Search& work,
                      ShotFigures& figures) const {
-    if (const auto vertex = takeAtOnce(shot, group, work.candidates, figures)) return *vertex;
+    if (const auto vertex = takeAtOnce(shot, group, figures)) return *vertex;
     work.nearest.assign(group.points.begin(), group.points.end());
     nearest_points->keepNearest(shot.position, k, work.nearest);
     choose(shot, work.nearest, work.candidates);
