@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kLeafSize = 10;
 constexpr std::size_t kLargestGroup = 16;
-constexpr double kGroupSpread = 0.2;  // of the distance that the search before spanned
+constexpr double kGroupSpread = 0.35;  // of the distance that the search before spanned
 // Over the roundings of distances in single precision.
 constexpr double kSlack = 1 + 1e-5;
 
@@ -101,23 +101,19 @@ NearestPoints::NearestPoints(std::span<const Float3> points)
 
 NearestPoints::~NearestPoints() = default;
 
-// One a thread: walks are over before the next begins.
-namespace {
-WidenedResult& resultOfThread() {
-  thread_local WidenedResult result;
-  return result;
-}
-}  // namespace
+struct NearestPoints::Walk::Result {
+  WidenedResult widened;
+};
 
 NearestPoints::Walk::Walk(const NearestPoints& points, std::span<const Float3> queries, std::size_t k)
-    : points_(points), queries_(queries), k_(k) {}
+    : result_(std::make_unique<Result>()), points_(points), queries_(queries), k_(k) {}
 
 NearestPoints::Walk::~Walk() = default;
 
 bool NearestPoints::Walk::next() {
   if (queries_.empty()) return false;
   const Ball ball = ballOf(queries_, kGroupSpread * group_.reach);
-  WidenedResult& result = resultOfThread();
+  WidenedResult& result = result_->widened;
   const double bound = bound_ + (std::isinf(bound_) ? 0 : distanceBetween(group_.center, ball.center));
   result.begin(k_, bound, 2 * ball.radius);
   points_.implementation_->tree.findNeighbors(result, ball.center.data(),

@@ -50,6 +50,8 @@ class NearestPoints {
     const Group& group() const { return group_; }
 
    private:
+    struct Result;
+    std::unique_ptr<Result> result_;  // what the group's points are in
     const NearestPoints& points_;
     std::span<const Float3> queries_;  // that are left
     std::size_t k_;

@@ -170,6 +170,32 @@ TEST(NormalShooting, LooksFartherWhereNothingNearFacesItsWay) {
   EXPECT_EQ(found[0], first + 4);
 }
 
+// A search that goes farther stands between others of one group.
+TEST(NormalShooting, LookingFartherLeavesTheNextShotsAlone) {
+  TriangleMesh ball = tests::icosphere(4);
+  std::vector<std::uint32_t> materials(ball.vertexCount(), 0);
+  for (std::size_t v = 0; v < materials.size(); ++v) materials[v] = ball.positions[v][0] < -0.9F ? 1 : 0;
+  const NormalShooting shooting({ball, materials}, 20);
+  std::vector<Shot> shots;
+  for (int i = 0; i < 64; ++i) {
+    const Vec3 p = Vec3(1, 0.0005 * i, 0).normalized();
+    shots.push_back({float3(p), float3(p), i % 4 == 1 ? 1U : 0U});
+  }
+  // Of the other material's vertices, none faces that way.
+  for (Shot& shot : shots)
+    if (shot.material == 1U) shot.normal = {-1, 0, 0};
+  std::vector<std::uint32_t> found(shots.size());
+  const ShotFigures figures = shooting.shoot(shots, found);
+  EXPECT_EQ(figures.widened, 16u);
+  for (std::size_t i = 0; i < shots.size(); ++i) {
+    ASSERT_LT(found[i], ball.vertexCount()) << i;
+    EXPECT_EQ(materials[found[i]], *shots[i].material) << i;
+    if (shots[i].material == 0U) {
+      EXPECT_EQ(found[i], exhaustive(ball, shots[i], 20)) << i;
+    }
+  }
+}
+
 TEST(NormalShooting, FindsNothingWhereNothingFacesItsWay) {
   const TriangleMesh plate = sheet(10, 0, -1);
   const NormalShooting shooting({plate, {}}, 20);
