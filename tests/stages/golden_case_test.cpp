@@ -129,7 +129,8 @@ TEST_F(GoldenCaseTest, ACaseWithoutOutputsIsRefused) {
 TEST_F(GoldenCaseTest, LimitsNeedAReason) {
   writeCase(R"({"about": "x", "inputs": [{"file": "in.ply", "scene": "sphere"}], "commands": [["copy"]],
                 "outputs": [{"file": "out.ply", "kind": "mesh", "limits": {"distance": 1}}]})");
-  EXPECT_THAT(errorOf([&] { readCase(caseFolder()); }), HasSubstr("/outputs/0: the key \"reason\" is missing"));
+  EXPECT_THAT(errorOf([&] { readCase(caseFolder()); }),
+              HasSubstr("/outputs/0: the key \"reason\" is missing"));
 }
 
 TEST_F(GoldenCaseTest, AnUnknownLimitIsRefused) {
