@@ -369,14 +369,23 @@ Comparison compareMesoMeshes(const MesoMesh& meso, const MesoMesh& reference, co
   return comparison;
 }
 
-Comparison compareImages(const Image& image, const Image& reference, const CompareLimits& limits) {
-  Comparison comparison;
+namespace {
+
+// Of images with values; counts these as compared.
+template <class AnyImage>
+bool haveOneShape(Comparison& comparison, const AnyImage& image, const AnyImage& reference) {
   bool same_shape = agree(comparison, "width", image.width, reference.width);
   same_shape &= agree(comparison, "height", image.height, reference.height);
   same_shape &= agree(comparison, "channels", image.channel_names, reference.channel_names);
-  if (!same_shape || image.values.empty()) return comparison;
+  if (same_shape) comparison.compared_values = image.values.size();
+  return same_shape && !image.values.empty();
+}
 
-  comparison.compared_values = image.values.size();
+}  // namespace
+
+Comparison compareImages(const Image& image, const Image& reference, const CompareLimits& limits) {
+  Comparison comparison;
+  if (!haveOneShape(comparison, image, reference)) return comparison;
   std::vector<ValueDifference> channels(image.channelCount());
   for (std::size_t i = 0; i < image.values.size(); ++i)
     channels[i % channels.size()].add(image.values[i], reference.values[i]);
@@ -392,12 +401,7 @@ Comparison compareImages(const Image& image, const Image& reference, const Compa
 
 Comparison compareIndices(const IndexImage& image, const IndexImage& reference, const CompareLimits& limits) {
   Comparison comparison;
-  bool same_shape = agree(comparison, "width", image.width, reference.width);
-  same_shape &= agree(comparison, "height", image.height, reference.height);
-  same_shape &= agree(comparison, "channels", image.channel_names, reference.channel_names);
-  if (!same_shape || image.values.empty()) return comparison;
-
-  comparison.compared_values = image.values.size();
+  if (!haveOneShape(comparison, image, reference)) return comparison;
   std::vector<std::size_t> others(image.channelCount(), 0);
   for (std::size_t i = 0; i < image.values.size(); ++i)
     others[i % others.size()] += image.values[i] != reference.values[i] ? 1 : 0;

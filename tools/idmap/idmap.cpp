@@ -11,6 +11,7 @@
 
 #include "formats/error.h"
 #include "formats/exr_rows.h"
+#include "tools/idmap/nearest_points.h"
 #include "transport/morton.h"
 #include "transport/nearest_texel.h"
 
@@ -201,6 +202,21 @@ class Mapper {
 };
 
 }  // namespace
+
+std::string warningOf(const IdMap& map, const formats::TriangleMesh& meso) {
+  constexpr double kUsualShare = 0.02;  // what simplification takes away is some thousandths at most
+  formats::Float3 low = meso.positions.at(0), high = low;
+  for (const formats::Float3& p : meso.positions)
+    for (std::size_t c = 0; c < 3; ++c) low[c] = std::min(low[c], p[c]), high[c] = std::max(high[c], p[c]);
+  const double diagonal = std::sqrt(squaredDistance(low, high));
+  const double offset = map.figures.offset_sum / static_cast<double>(map.covered);
+  // A mesh of few vertices has none near.
+  const double spacing = diagonal / std::sqrt(static_cast<double>(meso.vertexCount()));
+  if (offset <= kUsualShare * diagonal + spacing) return "";
+  return "texels lie " + std::to_string(offset) +
+         " from the vertices that they take, where the meso-mesh is " + std::to_string(diagonal) +
+         " large: the maps are hardly of its surface";
+}
 
 std::size_t rowsOf(const std::filesystem::path& maps) {
   return static_cast<std::size_t>(formats::ExrRows(maps, {}).height());

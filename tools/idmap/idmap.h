@@ -45,6 +45,10 @@ struct IdMap {
   std::int64_t moved = 0;                // of coverage 3, copied because nothing faces their way
 };
 
+// What to warn of where texels lie far from the vertices that they take, compared with the meso-mesh's size: it and
+// the maps are hardly of one surface, such as where one was turned. "" if nothing is wrong.
+std::string warningOf(const IdMap& map, const formats::TriangleMesh& meso);
+
 // Of an image, for progress. Throws Error(kBadInput) as makeIdMap does.
 std::size_t rowsOf(const std::filesystem::path& maps);
 

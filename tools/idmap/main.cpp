@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
     if (map.moved > 0)
       run.warn(std::to_string(map.moved) +
                " texels of charts' borders face no vertex and are copies of others");
+    if (const std::string warning = idmap::warningOf(map, meso.mesh); !warning.empty()) run.warn(warning);
     run.stat("covered_texels", map.covered);
     run.stat("filled_texels", map.filled);
     run.stat("moved_texels", map.moved);

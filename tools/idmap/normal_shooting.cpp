@@ -74,6 +74,7 @@ void ShotFigures::add(const ShotFigures& more) {
   widened += more.widened;
   other_sheets += more.other_sheets;
   distance_sum += more.distance_sum;
+  offset_sum += more.offset_sum;
   farthest = std::max(farthest, more.farthest);
 }
 
@@ -155,7 +156,8 @@ struct NormalShooting::Implementation {
     candidates.resize(end);
   }
 
-  std::uint32_t taken(const Candidate& candidate, ShotFigures& figures) const {
+  std::uint32_t taken(const Shot& shot, const Candidate& candidate, ShotFigures& figures) const {
+    figures.offset_sum += std::sqrt(squaredDistance(shot.position, vertices[candidate.vertex].position));
     const double distance = std::sqrt(candidate.line_squared);
     figures.distance_sum += distance;
     figures.farthest = std::max(figures.farthest, distance);
@@ -163,7 +165,7 @@ struct NormalShooting::Implementation {
   }
 
   // Of candidates, of which there are some.
-  std::uint32_t take(std::vector<Candidate>& candidates, ShotFigures& figures) const {
+  std::uint32_t take(const Shot& shot, std::vector<Candidate>& candidates, ShotFigures& figures) const {
     std::size_t best = least<&Candidate::line_squared>(candidates);
     const std::size_t sheet = least<&Candidate::sheet_squared>(candidates);
     const std::uint32_t nearest = candidates[best].vertex;
@@ -172,7 +174,7 @@ struct NormalShooting::Implementation {
       best = least<&Candidate::line_squared>(candidates);
       figures.other_sheets += candidates[best].vertex != nearest ? 1 : 0;
     }
-    return taken(candidates[best], figures);
+    return taken(shot, candidates[best], figures);
   }
 
   // Without finding out which of the group's points are the k nearest, where what is taken is surely one of
@@ -197,7 +199,7 @@ struct NormalShooting::Implementation {
     if (reach <= 0 || !isSure(line.vertex) || !isSure(sheet.vertex) ||
         !adjacency.connected(line.vertex, sheet.vertex))
       return {};
-    return taken({line.vertex, line.value, 0}, figures);
+    return taken(shot, {line.vertex, line.value, 0}, figures);
   }
 
   std::uint32_t take(const Shot& shot, const NearestPoints::Group& group, std::size_t k, Search& work,
@@ -206,7 +208,7 @@ struct NormalShooting::Implementation {
     work.nearest.assign(group.points.begin(), group.points.end());
     nearest_points->keepNearest(shot.position, k, work.nearest);
     choose(shot, work.nearest, work.candidates);
-    if (!work.candidates.empty()) return take(work.candidates, figures);
+    if (!work.candidates.empty()) return take(shot, work.candidates, figures);
     return shot.required ? shootFarther(shot, figures) : kNone;
   }
 
@@ -221,7 +223,7 @@ struct NormalShooting::Implementation {
       work.nearest.assign(walk.group().points.begin(), walk.group().points.end());
       nearest_points->keepNearest(shot.position, k, work.nearest);
       choose(shot, work.nearest, work.candidates);
-      if (!work.candidates.empty()) return take(work.candidates, figures);
+      if (!work.candidates.empty()) return take(shot, work.candidates, figures);
     }
     return kNone;
   }

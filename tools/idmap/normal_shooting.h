@@ -32,6 +32,7 @@ struct ShotFigures {
   std::uint64_t shots = 0;
   std::uint64_t widened = 0;       // had to look at more than k vertices to find one that faces their way
   std::uint64_t other_sheets = 0;  // did not take the vertex nearest to the line, as it is of another sheet
+  double offset_sum = 0;           // of the vertex from the point, in units of length
   double distance_sum = 0, farthest = 0;  // of the vertex from the line through the point, in units of length
 
   void add(const ShotFigures& more);

@@ -151,6 +151,12 @@ TEST_F(IdMapTest, ASurfaceThatFacesTheOtherWayIsRefused) {
   EXPECT_THAT(problem(), testing::AllOf(HasSubstr("texel ("), HasSubstr("faces the same way")));
 }
 
+TEST_F(IdMapTest, AnotherSurfaceIsWarnedOf) {
+  EXPECT_EQ(warningOf(make(), meso_), "");
+  for (formats::Float3& p : meso_.positions) p[0] += 0.5F;
+  EXPECT_THAT(warningOf(make(), meso_), HasSubstr("hardly of its surface"));
+}
+
 TEST_F(IdMapTest, MapsWithoutTheirChannelsAreRefused) {
   maps_.channel_names[static_cast<std::size_t>(maps_.channelIndex("normal.Y"))] = "normal.W";
   write();
