@@ -24,7 +24,7 @@ std::vector<std::string> keysOf(const Map& map) {
 }
 
 Wire parseWire(const JsonReader& object, const std::string& key) {
-  const std::string text = object.text(key);
+  const std::string& text = object.text(key);
   const std::size_t dot = text.find('.');
   if (dot == std::string::npos || dot == 0 || dot + 1 == text.size())
     throw badInput(object.placeOf(key), "\"" + text + "\" is no wire", kWireSyntax);

@@ -67,8 +67,9 @@ class Mapper {
   }
 
   IdMap make(const std::function<void(std::size_t)>& progress) {
-    Rows rows = readRows(0), next;
+    Rows rows = readRows(0);
     while (rows.count > 0) {
+      Rows next;
       tbb::parallel_invoke([&] { next = readRows(rows.first + rows.count); }, [&] { mapRows(rows); });
       progress(static_cast<std::size_t>(rows.count));
       rows = std::move(next);

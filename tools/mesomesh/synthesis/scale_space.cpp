@@ -12,12 +12,14 @@ using Kernel = std::vector<float>;  // about its middle
 ChannelGrid filteredAlong(const ChannelGrid& grid, const Kernel& kernel, bool rows) {
   ChannelGrid result = grid;
   result.values.setZero();
-  const int reach = static_cast<int>(kernel.size() / 2);
+  const int reach = static_cast<int>(std::ssize(kernel) / 2);
   for (int y = 0; y < grid.height; ++y)
     for (int x = 0; x < grid.width; ++x)
-      for (int k = -reach; k <= reach; ++k)
-        result.values.row(grid.row(x, y)) += kernel[static_cast<std::size_t>(k + reach)] *
-                                             grid.values.row(rows ? grid.row(x + k, y) : grid.row(x, y + k));
+      for (int tap = 0; tap < std::ssize(kernel); ++tap) {
+        const int k = tap - reach;
+        result.values.row(grid.row(x, y)) +=
+            kernel[tap] * grid.values.row(rows ? grid.row(x + k, y) : grid.row(x, y + k));
+      }
   return result;
 }
 
