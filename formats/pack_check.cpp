@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "formats/error.h"
+#include "formats/rtt_reflection.h"
 
 namespace bakelight::formats {
 namespace {
@@ -286,7 +287,9 @@ class Checker {
   // What reflects transferred radiance needs the operator that transfers it.
   void checkCombination(const PackPart& reflection, const std::string& element) const {
     const auto* table = reflection.as<BrdfTable>();
-    if (table == nullptr && reflection.as<PhongLobe>() == nullptr && reflection.as<GgxLobe>() == nullptr)
+    const auto* rtt = reflection.as<RttReflection>();
+    if (table == nullptr && rtt == nullptr && reflection.as<PhongLobe>() == nullptr &&
+        reflection.as<GgxLobe>() == nullptr)
       return;
     const auto* transfer = pack_.transfer.as<ShTransfer>();
     if (transfer == nullptr || !transfer->glossy)
@@ -296,6 +299,14 @@ class Checker {
       throw error(element + ", brdf", "its order is " + std::to_string(table->order),
                   std::to_string(transfer->glossy->output_order) + " (the transfer's output order) to 10",
                   "project the BRDF again at that order");
+    if (rtt == nullptr) return;
+    if (rtt->order > transfer->glossy->output_order)
+      throw error(element + ", order", "its order is " + std::to_string(rtt->order),
+                  "1 to " + std::to_string(transfer->glossy->output_order) + " (the transfer's output order)",
+                  "bake transfer with a row_order of the texture's order");
+    if (mesh_.texcoords.size() != mesh_.vertexCount())
+      throw error(element, "a radiance transfer texture needs texture coordinates", "a mesh with them",
+                  "an atlas");
   }
 
   const TriangleMesh& mesh_;

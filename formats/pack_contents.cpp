@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "formats/rtt_reflection.h"
+
 namespace bakelight::formats {
 namespace {
 
@@ -165,7 +167,8 @@ PackPartKinds& transferKinds() {
 
 PackPartKinds& reflectionKinds() {
   static PackPartKinds kinds = {PackPartKind::of<LambertReflection>(), PackPartKind::of<PhongLobe>(),
-                                PackPartKind::of<GgxLobe>(), PackPartKind::of<BrdfTable>()};
+                                PackPartKind::of<GgxLobe>(), PackPartKind::of<BrdfTable>(),
+                                PackPartKind::of<RttReflection>()};
   return kinds;
 }
 

@@ -29,7 +29,7 @@ std::vector<Setting> settingsAt(const JsonReader& object, const char* key) {
 }
 
 Wire wireAt(const JsonReader& object, const std::string& key) {
-  const std::string text = object.text(key);
+  const std::string& text = object.text(key);
   const std::size_t dot = text.find('.');
   return {text.substr(0, dot), dot == std::string::npos ? "" : text.substr(dot + 1)};
 }

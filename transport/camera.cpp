@@ -63,6 +63,10 @@ Eigen::Matrix4d OrbitCamera::clipFromView(double aspect, const BoundingSphere& b
   return clip;
 }
 
+double OrbitCamera::pixelAngle(int height_px) const {
+  return 2 * std::tan(field_of_view_deg * std::numbers::pi / 360) / height_px;
+}
+
 Vec3 OrbitCamera::directionThrough(double x_px, double y_px, int width_px, int height_px) const {
   const double half = std::tan(radians(field_of_view_deg) / 2),
                aspect = static_cast<double>(width_px) / height_px;

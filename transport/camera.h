@@ -32,6 +32,8 @@ struct OrbitCamera {
   // Unit world direction through pixel coordinates (x right, y down; the first pixel's centre is at 0.5,
   // 0.5).
   Vec3 directionThrough(double x_px, double y_px, int width_px, int height_px) const;
+  // Radians that a pixel in the middle of the picture covers.
+  double pixelAngle(int height_px) const;
 };
 
 // The camera that frames `bounds` with a small margin, for any aspect ratio: distance is radius / sin(half

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "transport/bi_scale_shading.h"
 #include "transport/vertex_shading.h"
 
 namespace bakelight::transport {
@@ -13,6 +14,10 @@ std::vector<ShadingTechnique>& shadingTechniques() {
       {"vertices", VertexShading::shades,
        [](const formats::Pack& pack) -> std::unique_ptr<PackShading> {
          return std::make_unique<VertexShading>(pack);
+       }},
+      {"bi-scale", BiScaleShading::shades,
+       [](const formats::Pack& pack) -> std::unique_ptr<PackShading> {
+         return std::make_unique<BiScaleShading>(pack);
        }},
   };
   return techniques;

@@ -27,6 +27,15 @@ struct LightNeeds {
   std::optional<Vec3> near_center = {};
 };
 
+// Where a picture is seen from, in object space.
+struct ViewPoint {
+  Vec3 eye;
+  // Radians that a sample of the picture covers; 0: none, every texture is seen as sharp as it is.
+  double pixel_angle = 0;
+
+  ViewPoint(const Vec3& at, double angle = 0) : eye(at), pixel_angle(angle) {}
+};
+
 class PackShading {
  public:
   virtual ~PackShading() = default;
@@ -35,8 +44,8 @@ class PackShading {
   // Light change: `distant` in the object's frame, at least sh_order² coefficients; `near`, empty or as many,
   // is what `near_center` sees of near emitters. Throws std::invalid_argument for fewer.
   virtual void setLight(std::span<const Float3> distant, std::span<const Float3> near) = 0;
-  // View change, or after a light change: the eye in object space.
-  virtual void setView(const Vec3& eye) = 0;
+  // View change, or after a light change.
+  virtual void setView(const ViewPoint& view) = 0;
   // Exit radiance of each hit towards the eye; black before the first setLight. From several threads at once.
   virtual void radianceAt(std::span<const SurfaceHit> hits, std::span<Float3> radiance) const = 0;
 };

@@ -45,12 +45,12 @@ std::vector<double> diskLightZonal(int order, double half_angle_rad);
 // values.
 std::vector<double> orientZonal(std::span<const double> zonal, const Vec3& axis);
 
-// Rotation of SH coefficients: if f' (s) = f(Rᵀ s), that is, the function carried along by R, then
+// Rotation (or mirror image) of SH coefficients: if f' (s) = f(Rᵀ s), that is, the function carried along by R, then
 // coefficients(f') = ShRotation(order, R).apply(coefficients(f)). Ivanic & Ruedenberg 1996 (with the 1998
 // corrections).
 class ShRotation {
  public:
-  // `rotated_from_source` is orthogonal with determinant +1 (to 1e-6, else std::invalid_argument). order
+  // `rotated_from_source` is orthogonal (to 1e-6, else std::invalid_argument). order
   // 1–19.
   ShRotation(int order, const Eigen::Matrix3d& rotated_from_source);
 

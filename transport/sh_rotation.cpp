@@ -67,10 +67,12 @@ class BandRecursion {
 }  // namespace
 
 ShRotation::ShRotation(int order, const Eigen::Matrix3d& rotated_from_source) {
-  const Eigen::Matrix3d& r = rotated_from_source;
+  // A mirror image is a point reflection of a rotation, under which band l has the parity of l.
+  const double parity = rotated_from_source.determinant() < 0 ? -1 : 1;
+  const Eigen::Matrix3d r = parity * rotated_from_source;
   if (order < 1 || order > kMaxEvaluatedOrder) throw std::invalid_argument("SH order out of range");
   const double skew = (r * r.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(skew < 1e-6) || r.determinant() < 0) throw std::invalid_argument("not a rotation matrix");
+  if (!(skew < 1e-6)) throw std::invalid_argument("not an orthogonal matrix");
 
   bands_.emplace_back(Eigen::MatrixXd::Identity(1, 1));
   if (order > 1) {
@@ -81,6 +83,8 @@ ShRotation::ShRotation(int order, const Eigen::Matrix3d& rotated_from_source) {
     bands_.push_back(first);
   }
   for (int l = 2; l < order; ++l) bands_.push_back(BandRecursion(bands_[1], bands_[l - 1], l).band());
+  if (parity < 0)
+    for (int l = 1; l < order; l += 2) bands_[l] = -bands_[l];
 }
 
 void ShRotation::apply(std::span<const double> source, std::span<double> rotated) const {

@@ -185,13 +185,13 @@ void VertexShading::setDiffuse(std::span<const Float3> light, std::span<const Fl
     for (std::size_t c = 0; c < 3; ++c) diffuse_[v][c] *= albedo_[v][c];
 }
 
-void VertexShading::setView(const Vec3& eye) {
+void VertexShading::setView(const ViewPoint& view) {
   if (!glossy_) return;
   radiance_ = diffuse_;
   for (const Reflection& reflection : reflections_)
     tbb::parallel_for(reflection.vertices.first, reflection.vertices.end, [&](std::size_t vertex) {
-      const Float3 reflected = reflection.kernel.empty() ? tableReflection(reflection, vertex, eye)
-                                                         : lobeReflection(reflection, vertex, eye);
+      const Float3 reflected = reflection.kernel.empty() ? tableReflection(reflection, vertex, view.eye)
+                                                         : lobeReflection(reflection, vertex, view.eye);
       for (std::size_t c = 0; c < 3; ++c) radiance_[vertex][c] += reflected[c];
     });
 }

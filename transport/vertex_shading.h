@@ -27,7 +27,7 @@ class VertexShading final : public PackShading {
   void setLight(std::span<const Float3> distant, std::span<const Float3> near) override;
   // The diffuse part plus what the reflection makes of transferred radiance; nothing to do for a pack
   // without. On all TBB threads; the same bytes whatever their number.
-  void setView(const Vec3& eye) override;
+  void setView(const ViewPoint& view) override;
   void radianceAt(std::span<const SurfaceHit> hits, std::span<Float3> radiance) const override;
 
   // Exit radiance of each vertex, base colour and vertex colours included.

@@ -99,7 +99,7 @@ CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& 
   };
   const Vec3 eye = world_from_object.transpose() * (camera.eye() - bounds.center) + bounds.center;
   shading->setLight(rotation.apply(lighting.distant), nearLightAt(settings.time_s, world_from_object));
-  shading->setView(eye);
+  shading->setView({eye, camera.pixelAngle(settings.height_px * settings.supersampling)});
 
   formats::TriangleMesh scene_mesh;
   scene_mesh.positions = pack.mesh.positions;

@@ -14,7 +14,7 @@ class NormalShading final : public transport::PackShading {
 
   transport::LightNeeds needs() const override { return {1}; }
   void setLight(std::span<const transport::Float3> distant, std::span<const transport::Float3> near) override;
-  void setView(const transport::Vec3& eye) override { eye_ = eye; }
+  void setView(const transport::ViewPoint& view) override { eye_ = view.eye; }
   // The normal is interpolated and looked up for each hit, linearly between texels.
   void radianceAt(std::span<const transport::SurfaceHit> hits,
                   std::span<transport::Float3> radiance) const override;

@@ -43,8 +43,8 @@ void NormalTechnique::setLight(const player::GpuLight& distant, const player::Gp
   near_ = near;
 }
 
-void NormalTechnique::lookFrom(const transport::Vec3& eye) {
-  eye_ = transport::float3(eye - mesh_.origin());
+void NormalTechnique::lookFrom(const transport::ViewPoint& view) {
+  eye_ = transport::float3(view.eye - mesh_.origin());
 }
 
 void NormalTechnique::draw(const Eigen::Matrix4f& clip_from_position) const {

@@ -11,7 +11,7 @@ class NormalTechnique final : public player::Technique {
   NormalTechnique(const formats::Pack& pack, const player::SurfaceMesh& mesh, bool near_light);
 
   void setLight(const player::GpuLight& distant, const player::GpuLight* near) override;
-  void lookFrom(const transport::Vec3& eye) override;
+  void lookFrom(const transport::ViewPoint& view) override;
   void draw(const Eigen::Matrix4f& clip_from_position) const override;
   std::size_t gpuBytes() const override;
 

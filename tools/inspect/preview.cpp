@@ -117,7 +117,7 @@ Preview previewPack(const formats::Pack& pack, const PreviewOptions& options, co
   const std::unique_ptr<transport::PackShading> shading = transport::makePackShading(pack);
   const transport::ShLight light = transport::defaultLight(std::max(shading->needs().sh_order, 1));
   shading->setLight(light, {});
-  shading->setView(camera.eye());
+  shading->setView({camera.eye(), camera.pixelAngle(options.size_px * kSupersampling)});
   const double exposure = exposureFor(light);
   return {render(pack.mesh, transport::radianceOf(*shading), camera, exposure, options),
           "the pack's transfer under the default light" +

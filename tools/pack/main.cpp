@@ -21,7 +21,7 @@ constexpr const char* kReflectionNow =
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::filesystem::path mesh_path, material_path, transfer_path, brdf_path, pack_path;
+  std::filesystem::path mesh_path, material_path, transfer_path, brdf_path, rtt_path, id_map_path, pack_path;
   packing::PackingOptions options;
   formats::PackOptions file_options;
 
@@ -31,6 +31,11 @@ int main(int argc, char** argv) {
       .input("material", "material", material_path, "what the mesh is made of, the one that was baked with",
              false)
       .input("brdf", "tensors", brdf_path, "With reflection table: safetensors file of the brdf tool", false)
+      .input("rtt", "rtt", rtt_path,
+             "Radiance transfer textures of the materials' patches, as rtt writes them", false)
+      .input("id_map", "id_map", id_map_path,
+             "Which place of its patch each texel shows; without it, texture coordinates lay the patches out",
+             false)
       .output("pack", "pack", pack_path, "binary glTF file (.glb)")
       .parameter("name", options.name, {}, "Name of the asset, shown by glTF viewers")
       .parameter("precision", options.precision, formats::kPrecisions,
@@ -39,6 +44,9 @@ int main(int argc, char** argv) {
           "reflection", options.reflection, packing::kShownReflections,
           "How the material's glossy reflection is shown: as a lobe around the mirror direction, by the "
           "table of brdf, or not at all")
+      .parameter(
+          "rtt_error", options.rtt.error, {0, 1}, "",
+          "Relative error that principal components of radiance transfer textures may leave; 0 keeps all")
       .parameter("draco", file_options.draco, "Compress the mesh with Draco, for distribution")
       .parameter("position_bits", file_options.position_bits, {0, 30}, "bits",
                  "With draco: quantise positions to 8 to 30 bits an axis; 0 keeps them exact")
@@ -56,9 +64,13 @@ int main(int argc, char** argv) {
     formats::TriangleMesh mesh = formats::readPly(mesh_path);
     options.material = formats::materialsOn(mesh, formats::readMaterialsOrDefault(material_path),
                                             mesh_path.string(), material_path.string());
-    const formats::Pack pack = packing::assemblePack(
-        std::move(mesh), transfer, brdf ? &*brdf : nullptr, options,
-        {mesh_path.string(), transfer_path.string(), brdf_path.string(), material_path.string()});
+    packing::PatchSources patches;
+    if (!rtt_path.empty()) patches = packing::readPatchSources(rtt_path, id_map_path);
+    const formats::Pack pack =
+        packing::assemblePack(std::move(mesh), transfer, brdf ? &*brdf : nullptr, options,
+                              {mesh_path.string(), transfer_path.string(), brdf_path.string(),
+                               material_path.string(), rtt_path.string(), id_map_path.string()},
+                              patches);
     formats::Pack ordered = pack;
     if (const std::size_t dropped = packing::orderByMaterial(ordered); dropped > 0)
       run.warn(std::to_string(dropped) + " vertices without a triangle were left out");

@@ -12,6 +12,7 @@
 #include "formats/mesh_ply.h"
 #include "tools/pack/tensor_source.h"
 #include "tools/pack/transfer_reader.h"
+#include "transport/texture_frames.h"
 
 namespace bakelight::packing {
 namespace {
@@ -80,13 +81,46 @@ formats::PackPart reflectionFor(const formats::Reflection& reflection, const std
   return tableFor(reflection, material, output_order, brdf, files);
 }
 
+// Of the material's name, else the asset's own.
+const formats::RadianceTransferTexture* textureOf(const PatchSources& patches, const std::string& material) {
+  const formats::RadianceTransferTexture* own = nullptr;
+  for (const formats::RadianceTransferTexture& texture : patches.textures) {
+    if (texture.material == material) return &texture;
+    if (texture.material.empty()) own = &texture;
+  }
+  return own;
+}
+
+formats::RttReflection texturedReflection(const formats::RadianceTransferTexture& texture,
+                                          const formats::TriangleMesh& mesh, const PackingOptions& options,
+                                          const PatchSources& patches, bool with_index,
+                                          const SourceNames& files) {
+  if (mesh.texcoords.size() != mesh.vertexCount())
+    throw badInput({files.mesh, "", "/rtt"},
+                   "a patch is looked up by texture coordinates, which this mesh has none of",
+                   "the mesh that atlas wrote, or one with texture coordinates of its own");
+  formats::RttReflection reflection = packRtt(texture, options.rtt, files.rtt).reflection;
+  const auto given = patches.widths.find(texture.material);
+  const double unit = transport::surfaceUnitOf(mesh);
+  const double width = given == patches.widths.end() ? unit : given->second;
+  reflection.patch_width = static_cast<float>(width);
+  if (!patches.id_map) reflection.repeats = static_cast<float>(unit / width);
+  if (patches.id_map && with_index) reflection.index = packIndex(*patches.id_map);
+  return reflection;
+}
+
 // One for each material that a triangle has; one without a name for a mesh that tells none apart.
 std::vector<formats::Appearance> appearancesOf(formats::TriangleMesh& mesh, const PackingOptions& options,
                                                int output_order, const TensorFile* brdf,
-                                               const SourceNames& files) {
+                                               const SourceNames& files, const PatchSources& patches) {
   const formats::SurfaceMaterials& material = options.material;
-  const auto reflectionAt = [&](std::size_t triangle) {
+  bool has_index = false;
+  const auto reflectionAt = [&](std::size_t triangle) -> formats::PackPart {
     const std::size_t index = material.of_triangle.empty() ? 0 : material.of_triangle[triangle];
+    if (const auto* texture = textureOf(patches, material.names[index])) {
+      const bool with_index = !std::exchange(has_index, true);
+      return texturedReflection(*texture, mesh, options, patches, with_index, files);
+    }
     return reflectionFor(material.reflections[index], material.names[index], output_order, options, brdf,
                          files);
   };
@@ -154,14 +188,16 @@ double relativeError(const EncodedTable& table, std::span<const float> original)
 }  // namespace
 
 formats::Pack assemblePack(formats::TriangleMesh mesh, const TensorFile& transfer, const TensorFile* brdf,
-                           const PackingOptions& options, const SourceNames& files) {
+                           const PackingOptions& options, const SourceNames& files,
+                           const PatchSources& patches) {
   const TensorSource source(transfer, files.transfer,
                             "bake it again, for this mesh and by the transfer tool of this version");
   formats::ShTransfer read = readTransfer(source, mesh.vertexCount(), options.precision);
   requireSameMesh(source, mesh, files.mesh);
   requireSameAlbedo(source, mesh.vertexCount(), options.material);
   const int output_order = read.glossy ? read.glossy->output_order : 0;
-  std::vector<formats::Appearance> appearances = appearancesOf(mesh, options, output_order, brdf, files);
+  std::vector<formats::Appearance> appearances =
+      appearancesOf(mesh, options, output_order, brdf, files, patches);
   formats::Pack pack{options.name, std::move(mesh), {}, std::move(read), std::move(appearances)};
   takeAlbedo(options.material, pack);
   checkCombination(pack, files);

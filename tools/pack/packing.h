@@ -10,12 +10,14 @@
 #include "formats/tensors.h"
 #include "formats/triangle_mesh.h"
 #include "formats/words.h"
+#include "tools/pack/rtt_packing.h"
 
 namespace bakelight::packing {
 
 // What the stage's files are called, for errors.
 struct SourceNames {
   std::string mesh, transfer, brdf, material = "material.json";
+  std::string rtt = {}, id_map = {};
 };
 
 // How the material's glossy reflection is shown.
@@ -34,6 +36,7 @@ struct PackingOptions {
   // it is small, and its errors would show at every vertex. Diffuse vectors stay floats.
   formats::Precision precision = formats::Precision::kFloat32;
   ShownReflection reflection = ShownReflection::kLobe;
+  RttPackingOptions rtt;
 };
 
 // `transfer` is the transfer stage's file and `brdf` (null without one) the brdf tool's; docs/FORMATS.md has
@@ -41,11 +44,11 @@ struct PackingOptions {
 // hold, if a shape does not fit the mesh, or if it was baked for another mesh or another albedo than the
 // material's; at /reflection or /brdf if reflection, transfer and table do not go together: a reflection
 // needs matrices, matrices need a reflection, and "table" needs `brdf`, or materials that are tables. There is
-// an appearance for each material that a triangle has; vertices stay as the transfer file has them, to be put
+// an appearance for each material that a triangle has, with the radiance transfer texture of its name if `patches` have one; vertices stay as the transfer file has them, to be put
 // in order by orderByMaterial. The pack itself is judged by formats::encodePack.
 formats::Pack assemblePack(formats::TriangleMesh mesh, const formats::TensorFile& transfer,
                            const formats::TensorFile* brdf, const PackingOptions& options,
-                           const SourceNames& files);
+                           const SourceNames& files, const PatchSources& patches = {});
 
 // Triangles and vertices in the order of the pack's appearances; a vertex that two of them share becomes two.
 // Vertices without a triangle are dropped then, and counted; with one appearance nothing changes.

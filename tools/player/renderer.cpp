@@ -92,7 +92,8 @@ void Renderer::draw(const formats::FrameSettings& settings) {
   const transport::OrbitCamera camera = transport::frameCamera(settings, bounds_);
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(settings);
   updateStaleLights(settings);
-  technique_->lookFrom(world_from_object.transpose() * (camera.eye() - bounds_.center) + bounds_.center);
+  technique_->lookFrom({world_from_object.transpose() * (camera.eye() - bounds_.center) + bounds_.center,
+                        camera.pixelAngle(settings.height_px * settings.supersampling)});
 
   target_.resize(settings.width_px, settings.height_px, settings.supersampling);
   target_.beginFrame(settings.background == formats::Background::kTransparent ? 0.0f : 1.0f);

@@ -225,7 +225,7 @@ void Evaluator::measureTimes(int rounds, Evaluation& evaluation, const std::func
         candidate->shading->setLight(rotation.apply(conditions.distant), conditions.near);
       });
       const double view_change_ms =
-          millisecondsOf([&] { candidate->shading->setView(turn * conditions.eye); });
+          millisecondsOf([&] { candidate->shading->setView(Vec3(turn * conditions.eye)); });
       return std::vector<double>{light_change_ms, view_change_ms};
     });
     advanced();

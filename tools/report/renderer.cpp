@@ -32,7 +32,8 @@ std::vector<Picture> Renderer::picturesOf(const formats::Pack& pack) {
     const Conditions conditions = this->conditions(pack.mesh, needs, view);
     const transport::ShRotation rotation(needs.sh_order, conditions.object_from_light);
     shading->setLight(rotation.apply(conditions.distant), conditions.near);
-    shading->setView(conditions.eye);
+    shading->setView({conditions.eye, cameras_[view].pixelAngle(plan_.views[view].frame.height_px *
+                                                                plan_.views[view].frame.supersampling)});
     const transport::EmitterMesh emitters =
         transport::emitterMesh(lighting(view, needs.sh_order).near, bounds, plan_.views[view].frame.time_s);
     pictures.push_back(pictureOf(gbuffer(pack, view, emitters), transport::radianceOf(*shading),

@@ -45,6 +45,8 @@ BakeSetup::BakeSetup(const TriangleMesh& own_mesh, std::span<const Float3> own_a
       sphere(virtualSphere(own_mesh, own_options.sphere_radius)) {
   if (interreflected() && options.glossy == Glossy::kVisibility)
     throw std::invalid_argument("a visibility vector cannot hold interreflection");
+  if (!options.tangents.empty() && options.tangents.size() != mesh.vertexCount())
+    throw std::invalid_argument("there must be a tangent a vertex, or none");
   channels = interreflected() && !std::all_of(albedo.begin(), albedo.end(), isGray) ? 3 : 1;
   const int visibility_order = options.glossy == Glossy::kNone ? 0 : options.row_order + options.order - 1;
   visibility_size = coefficientCount(visibility_order);
@@ -58,6 +60,10 @@ BakeSetup::BakeSetup(const TriangleMesh& own_mesh, std::span<const Float3> own_a
                                                     interreflected() && needsMatrices()},
                                       options.directions);
   if (interreflected()) memory = planMemory(*this);
+}
+
+std::vector<formats::Float4> BakeSetup::tangents() const {
+  return options.tangents.empty() ? vertexTangents(mesh) : options.tangents;
 }
 
 std::size_t BakeSetup::matrixSize() const {

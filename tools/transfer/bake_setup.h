@@ -37,6 +37,7 @@ struct BakeSetup {
   bool needsMatrices() const { return options.glossy == Glossy::kMatrices; }
   std::size_t vertexCount() const { return mesh.vertexCount(); }
   std::size_t matrixSize() const;
+  std::vector<formats::Float4> tangents() const;
 };
 
 }  // namespace bakelight::transfer

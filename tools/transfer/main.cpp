@@ -12,7 +12,7 @@
 using namespace bakelight;
 
 int main(int argc, char** argv) {
-  std::filesystem::path mesh_path, material_path, transfer_path;
+  std::filesystem::path mesh_path, material_path, frames_path, transfer_path;
   transfer::TransferSettings settings;
   stage::Tool tool("transfer", "Bakes radiance transfer at the vertices of a mesh.");
   transfer::declare(tool, settings);
@@ -21,12 +21,17 @@ int main(int argc, char** argv) {
           "PLY mesh with normals, as simplify writes it; its colours are the albedo unless material has one")
       .input("material", "material", material_path, "what the mesh is made of; light bounces off its albedo",
              {.required = false, .parts = {"albedo"}})
+      .input("frames", "tensors", frames_path,
+             "tangents of the vertices' frames, as idmap writes them for a mesh that patches are laid out on",
+             false)
       .output("transfer", "tensors", transfer_path, "safetensors file for pack (docs/FORMATS.md)")
       .executionPath(transport::RayScene::executionPath);
 
   return tool.run(argc, argv, [&](stage::Run& run) {
-    const transfer::TransferOptions options = transfer::bakeOptions(settings);
+    transfer::TransferOptions options = transfer::bakeOptions(settings);
     const formats::TriangleMesh mesh = transfer::readBakeableMesh(mesh_path);
+    if (settings.isGlossy())
+      options.tangents = transfer::localFrames(mesh, settings.frames, frames_path, mesh_path.string(), run);
     const formats::SurfaceMaterials surface = formats::materialsOn(
         mesh, formats::readMaterialsOrDefault(material_path), mesh_path.string(), material_path.string());
     if (surface.replaces_colors) run.warn("the material's albedo stands in place of the mesh's colours");

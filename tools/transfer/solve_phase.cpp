@@ -291,7 +291,7 @@ Transfer solve(BakeSetup setup, TracedPoints points) {
   if (setup.options.glossy == Glossy::kNone) return result;
 
   fill.apply(points.visibility, setup.visibility_size);
-  result.tangents = vertexTangents(setup.mesh);
+  result.tangents = setup.tangents();
   if (setup.needsMatrices()) {
     const Stopwatch matrix_watch;
     result.matrices = MatrixPhase(setup, points, areas, bounced).bake(fill, result.tangents);

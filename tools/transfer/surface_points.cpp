@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "transport/mesh_topology.h"
+#include "transport/texture_frames.h"
 
 namespace bakelight::transfer {
 
@@ -84,12 +85,7 @@ std::vector<Triangle> sidesFromBehind(const TriangleMesh& mesh) {
 std::vector<Float4> vertexTangents(const TriangleMesh& mesh) {
   std::vector<Float4> tangents;
   tangents.reserve(mesh.vertexCount());
-  for (const Float3& normal : mesh.normals) {
-    const Vec3 n = vec3(normal).normalized();
-    const double sign = std::copysign(1.0, n.z()), a = -1 / (sign + n.z());
-    const Float3 t = float3(Vec3(1 + sign * n.x() * n.x() * a, sign * n.x() * n.y() * a, -sign * n.x()));
-    tangents.push_back({t[0], t[1], t[2], 1.0f});
-  }
+  for (const Float3& normal : mesh.normals) tangents.push_back(transport::anyTangent(normal));
   return tangents;
 }
 

@@ -27,8 +27,8 @@ SurfacePoint backPoint(const formats::TriangleMesh& mesh, const SurfacePoint& fr
 inline constexpr std::uint32_t kDarkSide = ~std::uint32_t{0};
 std::vector<formats::Triangle> sidesFromBehind(const formats::TriangleMesh& mesh);
 
-// Tangents of the local frames: xyz, and w = 1 (bitangent = w · normal × tangent). From the normal alone
-// (Duff et al. 2017), orthonormal to rounding.
+// Tangents of local frames where any will do: xyz, and w = 1 (bitangent = w · normal × tangent). From the
+// normal alone (transport::anyTangent).
 std::vector<formats::Float4> vertexTangents(const formats::TriangleMesh& mesh);
 // Rows t, b, n: local coordinates of a direction in the object.
 Eigen::Matrix3d localFromObject(const Float3& normal, const formats::Float4& tangent);

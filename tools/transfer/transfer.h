@@ -36,6 +36,8 @@ struct TransferOptions {
   InterreflectionOptions interreflection = {};
   Glossy glossy = Glossy::kNone;
   int row_order = 5;  // SH bands of transferred radiance, 1–10
+  // Of the local frames, one a vertex; empty: any tangents (vertexTangents).
+  std::vector<formats::Float4> tangents = {};
   // > 0: near-field vectors too, for a virtual sphere of so many radii of the bounding sphere, around its
   // centre. More than 1.
   double sphere_radius = 0;

@@ -7,6 +7,8 @@
 #include "formats/tensor_writer.h"
 #include "transport/ray_scene.h"
 #include "transport/sh.h"
+#include "transport/texture_frames.h"
+#include "transport/vector_types.h"
 
 namespace bakelight::transfer {
 
@@ -19,6 +21,8 @@ constexpr formats::Word<Technique> kTechniques[] = {{"diffuse", Technique::kDiff
                                                     {"glossy", Technique::kGlossy}};
 constexpr formats::Word<Storage> kStorages[] = {
     {"matrix", Storage::kMatrix}, {"visibility", Storage::kVisibility}, {"cpca", Storage::kCpca}};
+constexpr formats::Word<FrameSource> kFrameSources[] = {{"normals", FrameSource::kNormals},
+                                                        {"texcoords", FrameSource::kTexcoords}};
 constexpr formats::Word<Transport> kTransports[] = {{"unshadowed", Transport::kUnshadowed},
                                                     {"shadowed", Transport::kShadowed},
                                                     {"interreflected", Transport::kInterreflected}};
@@ -96,6 +100,10 @@ void declare(stage::Tool& tool, TransferSettings& settings) {
           "storage", settings.storage, kStorages,
           "Glossy: full matrices, visibility vectors (smallest; not with interreflection), or clustered "
           "principal components")
+      .parameter(
+          "frame", settings.frames, kFrameSources,
+          "Glossy: whether vertices' frames follow texture coordinates, as patches need it that are laid "
+          "out by them, or are any")
       .parameter("clusters", settings.cpca.clusters, {1, 65536}, "", "cpca: clusters of vertices, at most")
       .parameter("components", settings.cpca.components, {1, 64}, "", "cpca: weights a vertex")
       .parameter("directions", options.directions, {64, 1048576}, "directions over the sphere",
@@ -145,6 +153,44 @@ formats::TriangleMesh readBakeableMesh(const std::filesystem::path& path) {
         throw badInput({path.string(), "vertex " + std::to_string(v), ""},
                        "its colour is " + std::to_string(value), "a linear albedo of 0 to 1");
   return mesh;
+}
+
+std::vector<formats::Float4> localFrames(const formats::TriangleMesh& mesh, FrameSource source,
+                                         const std::filesystem::path& frames_path,
+                                         const std::string& mesh_file, stage::Run& run) {
+  if (!frames_path.empty()) {
+    const std::string file = frames_path.string();
+    const formats::TensorFile tensors = formats::readSafetensors(frames_path);
+    const formats::Tensor& tangents = tensors.require("tangent", ElementType::kFloat32, 2, file);
+    if (tensors.requireMetadata("mesh_hash", file) != formats::geometryHash(mesh))
+      throw badInput({file, "metadata mesh_hash", ""},
+                     "the frames were made for another mesh than " + mesh_file, formats::geometryHash(mesh),
+                     "make them again with idmap, for this mesh");
+    if (tangents.shape != std::vector<std::uint64_t>{mesh.vertexCount(), 4})
+      throw badInput({file, "tensor tangent", ""}, "it has another shape",
+                     std::to_string(mesh.vertexCount()) + " × 4");
+    const auto values = tangents.as<float>();
+    std::vector<formats::Float4> result(mesh.vertexCount());
+    for (std::size_t v = 0; v < result.size(); ++v) {
+      result[v] = {values[4 * v], values[4 * v + 1], values[4 * v + 2], values[4 * v + 3]};
+      const transport::Vec3 tangent(result[v][0], result[v][1], result[v][2]);
+      if (!(std::abs(tangent.norm() - 1) < 1e-3 && std::abs(result[v][3]) == 1 &&
+            std::abs(tangent.dot(transport::vec3(mesh.normals[v]))) < 1e-3))
+        throw badInput({file, "tangent of vertex " + std::to_string(v), ""},
+                       "it is no unit vector perpendicular to the normal, with 1 or −1", "a frame");
+    }
+    return result;
+  }
+  if (source == FrameSource::kNormals) return {};
+  if (mesh.texcoords.size() != mesh.vertexCount())
+    throw badInput({mesh_file, "", "/frame"}, "it has no texture coordinates that frames could follow",
+                   "a mesh with them, or frame normals");
+  transport::TextureFrames frames = transport::textureFrames(mesh);
+  if (frames.undetermined > 0)
+    run.warn(
+        std::to_string(frames.undetermined) +
+        " vertices have no direction in their texture coordinates: their frames follow the normal alone");
+  return std::move(frames.tangents);
 }
 
 void writeTransfer(const std::filesystem::path& path, const formats::TriangleMesh& mesh,

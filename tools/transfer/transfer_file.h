@@ -13,6 +13,9 @@
 
 namespace bakelight::transfer {
 
+// Where the local frames of matrices come from.
+enum class FrameSource { kNormals, kTexcoords };
+
 // Whether there are transfer matrices beside the vectors, and how they are represented.
 enum class Technique { kDiffuse, kGlossy };
 enum class Storage { kMatrix, kVisibility, kCpca };
@@ -21,6 +24,7 @@ enum class Storage { kMatrix, kVisibility, kCpca };
 struct TransferSettings {
   Technique technique = Technique::kDiffuse;
   Storage storage = Storage::kMatrix;  // of glossy transfer
+  FrameSource frames = FrameSource::kNormals;
   bool near_field = false;
   double sphere_radius = 2;
   TransferOptions options;
@@ -38,6 +42,12 @@ TransferOptions bakeOptions(const TransferSettings& settings);
 
 // Throws Error(kBadInput) if the mesh has no vertex or no normals.
 formats::TriangleMesh readBakeableMesh(const std::filesystem::path& path);
+// The tangents of the vertices' frames: those of `frames_path` if that is not empty (tensor "tangent", made for this
+// mesh), else along texture coordinates, or none where any will do. Throws Error(kBadInput) naming file and
+// tensor, or /frame for a mesh without texture coordinates; warns of vertices that these leave undetermined.
+std::vector<formats::Float4> localFrames(const formats::TriangleMesh& mesh, FrameSource source,
+                                         const std::filesystem::path& frames_path,
+                                         const std::string& mesh_file, stage::Run& run);
 // Writes the tensors and metadata that pack and inspect read (docs/FORMATS.md). `albedo` may be empty; `cpca`
 // only with that storage.
 void writeTransfer(const std::filesystem::path& path, const formats::TriangleMesh& mesh,

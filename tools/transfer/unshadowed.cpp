@@ -64,7 +64,7 @@ Transfer bakeUnshadowed(const BakeSetup& setup, stage::Progress& progress) {
   if (setup.sphere) result.sphere = *setup.sphere;
   bakeVectors(setup, progress, result);
   if (setup.options.glossy == Glossy::kNone) return result;
-  result.tangents = vertexTangents(setup.mesh);
+  result.tangents = setup.tangents();
   bakeVisibility(setup, result);
   if (!setup.needsMatrices()) return result;
 

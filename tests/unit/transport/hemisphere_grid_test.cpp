@@ -62,12 +62,12 @@ TEST(HemisphereGrid, PositionsAreCellsAtTheirMiddlesAndClampAtTheHorizon) {
   for (int row = 0; row < 8; ++row)
     for (int column = 0; column < 8; ++column) {
       const GridPosition at = gridPosition(8, hemisphereCell(8, column, row));
-      EXPECT_NEAR(at.column + at.across, column, 1e-5);
-      EXPECT_NEAR(at.row + at.up, row, 1e-5);
+      EXPECT_NEAR(at.column + double{at.across}, column, 1e-5);
+      EXPECT_NEAR(at.row + double{at.up}, row, 1e-5);
     }
   const GridPosition horizon = gridPosition(8, Vec3(1, 0, 0)), below = gridPosition(8, Vec3(1, 0, -1));
-  EXPECT_EQ(horizon.column + horizon.across, 7);
-  EXPECT_EQ(below.column + below.across, 7);
+  EXPECT_EQ(horizon.column + double{horizon.across}, 7);
+  EXPECT_EQ(below.column + double{below.across}, 7);
   EXPECT_EQ(gridPosition(1, Vec3(1, 0, 0)).column, 0);
 }
 

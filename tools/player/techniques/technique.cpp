@@ -4,6 +4,7 @@
 #include <string>
 
 #include "formats/error.h"
+#include "tools/player/techniques/bi_scale.h"
 #include "tools/player/techniques/vertex_radiance.h"
 
 namespace bakelight::player {
@@ -13,6 +14,10 @@ std::vector<PlayedTechnique>& techniques() {
       {"vertices", VertexRadiance::plays, VertexRadiance::needs,
        [](const formats::Pack& pack, const SurfaceMesh& mesh, bool near_light) -> std::unique_ptr<Technique> {
          return std::make_unique<VertexRadiance>(pack, mesh, near_light);
+       }},
+      {"bi-scale", BiScale::plays, BiScale::needs,
+       [](const formats::Pack& pack, const SurfaceMesh& mesh, bool near_light) -> std::unique_ptr<Technique> {
+         return std::make_unique<BiScale>(pack, mesh, near_light);
        }},
   };
   return techniques;

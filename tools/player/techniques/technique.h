@@ -22,8 +22,8 @@ class Technique {
   // sees of them. Lights whose revision is the same as before need not be evaluated again. Both outlive the
   // technique.
   virtual void setLight(const GpuLight& distant, const GpuLight* near) = 0;
-  // In every frame, and after a light change: the eye in object space.
-  virtual void lookFrom(const transport::Vec3& eye) = 0;
+  // In every frame, and after a light change.
+  virtual void lookFrom(const transport::ViewPoint& view) = 0;
   // Exit radiance towards that eye, linear, with alpha 1, into the framebuffer that is bound, by depth test:
   // both sides of each triangle. Positions are those of the SurfaceMesh.
   virtual void draw(const Eigen::Matrix4f& clip_from_position) const = 0;

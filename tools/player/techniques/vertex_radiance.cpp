@@ -82,10 +82,7 @@ VertexRadiance::VertexRadiance(const formats::Pack& pack, const SurfaceMesh& mes
     const bool expand = object_frame && hasTable(pack);
     transfer_ = makeTransferOperator(expand ? matricesFromVisibility(pack) : transfer);
     glossy_.emplace(pack, mesh, object_frame && !expand);
-    if (near_light) {
-      total_light_ = std::move(darkLight().sh);
-      sum_program_ = makeComputeProgram({kSumLightsComp});
-    }
+    total_light_.emplace(near_light);
   }
   surface_.emplace(mesh.positions(), radiance(), mesh.indices(), mesh.indexCount());
 }
@@ -110,22 +107,15 @@ void VertexRadiance::evaluateDiffuse(const GpuLight& distant, const GpuLight* ne
 
 void VertexRadiance::transfer(const GpuLight& distant, const GpuLight* near) {
   const GpuPass pass("transfer");
-  if (near_) {
-    glUseProgram(sum_program_.name());
-    glBindBufferBase(GL_UNIFORM_BUFFER, 0, distant.sh.name());
-    glBindBufferBase(GL_UNIFORM_BUFFER, 1, near->sh.name());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, total_light_.name());
-    dispatchItems(transport::coefficientCount(transport::kMaxOrder));
-    glMemoryBarrier(GL_UNIFORM_BARRIER_BIT);
-  }
-  transfer_->evaluate(near_ ? total_light_ : distant.sh);
+  if (!total_light_->update(distant, near)) return;
+  transfer_->evaluate(total_light_->sh());
   throwIfGlFailed("transferring the light");
 }
 
-void VertexRadiance::lookFrom(const transport::Vec3& eye) {
+void VertexRadiance::lookFrom(const transport::ViewPoint& view) {
   if (!glossy_) return;
   const GpuPass pass("glossy");
-  glossy_->evaluate(eye, transfer_->transferred(), (near_ ? *near_ : *distant_).buffer());
+  glossy_->evaluate(view.eye, transfer_->transferred(), (near_ ? *near_ : *distant_).buffer());
 }
 
 void VertexRadiance::draw(const Eigen::Matrix4f& clip_from_position) const {
@@ -139,8 +129,9 @@ const Buffer& VertexRadiance::radiance() const {
 
 std::size_t VertexRadiance::gpuBytes() const {
   std::size_t bytes = vectors_.gpuBytes() + near_vectors_.gpuBytes() + sizeInBytes(vertex_colors_) +
-                      sizeInBytes(total_light_) + sizeInBytes(distant_->buffer());
+                      sizeInBytes(distant_->buffer());
   if (near_) bytes += sizeInBytes(near_->buffer());
+  if (total_light_) bytes += total_light_->gpuBytes();
   if (transfer_) bytes += transfer_->gpuBytes();
   if (glossy_) bytes += glossy_->gpuBytes();
   return bytes;

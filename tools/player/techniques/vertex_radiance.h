@@ -10,6 +10,7 @@
 
 #include "formats/pack_contents.h"
 #include "tools/player/operators/diffuse_pass.h"
+#include "tools/player/operators/total_light.h"
 #include "tools/player/operators/transfer_operator.h"
 #include "tools/player/techniques/glossy_pass.h"
 #include "tools/player/techniques/technique.h"
@@ -26,7 +27,7 @@ class VertexRadiance final : public Technique {
   VertexRadiance(const formats::Pack& pack, const SurfaceMesh& mesh, bool near_light);
 
   void setLight(const GpuLight& distant, const GpuLight* near) override;
-  void lookFrom(const transport::Vec3& eye) override;
+  void lookFrom(const transport::ViewPoint& view) override;
   void draw(const Eigen::Matrix4f& clip_from_position) const override;
   std::size_t gpuBytes() const override;
 
@@ -40,12 +41,12 @@ class VertexRadiance final : public Technique {
   void transfer(const GpuLight& distant, const GpuLight* near);
 
   GpuTable vectors_, near_vectors_;
-  Buffer vertex_colors_, total_light_;
+  Buffer vertex_colors_;
   std::uint64_t distant_revision_ = kNone, near_revision_ = kNone;  // evaluated
   std::optional<DiffusePass> distant_, near_;
   std::unique_ptr<TransferOperator> transfer_;
+  std::optional<TotalLight> total_light_;  // of a glossy pack
   std::optional<GlossyPass> glossy_;
-  Program sum_program_;
   std::optional<RadiantSurface> surface_;
 };
 

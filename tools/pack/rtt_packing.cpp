@@ -1,0 +1,169 @@
+#include "tools/pack/rtt_packing.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <Eigen/Dense>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "formats/image.h"
+#include "formats/json.h"
+#include "formats/json_reader.h"
+
+namespace bakelight::packing {
+namespace {
+
+using formats::RadianceTransferTexture;
+using formats::RttLevel;
+using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Samples = Eigen::Map<const Matrix>;  // views · texels × 3 · order²
+
+// Σ over all samples of the products of their values; in blocks, added in their order.
+Eigen::MatrixXd gramMatrix(const Samples& samples) {
+  constexpr Eigen::Index kBlock = 4096;
+  const Eigen::Index blocks = (samples.rows() + kBlock - 1) / kBlock;
+  std::vector<Eigen::MatrixXd> parts(static_cast<std::size_t>(blocks));
+  tbb::parallel_for(Eigen::Index{0}, blocks, [&](Eigen::Index block) {
+    const Eigen::Index first = block * kBlock, count = std::min(kBlock, samples.rows() - first);
+    const Eigen::MatrixXd values = samples.middleRows(first, count).cast<double>();
+    parts[static_cast<std::size_t>(block)] = values.transpose() * values;
+  });
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(samples.cols(), samples.cols());
+  for (const Eigen::MatrixXd& part : parts) sum += part;
+  return sum;
+}
+
+struct Basis {
+  Eigen::MatrixXf columns;  // values × components
+  double error = 0;
+};
+
+Basis principalComponents(const Samples& samples, double error) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gramMatrix(samples));
+  const Eigen::VectorXd energies = solver.eigenvalues().cwiseMax(0).reverse();
+  const double total = energies.sum();
+  // Factors are stored by fours, as textures have them: the rest of four costs nothing.
+  Eigen::Index count = 0;
+  const auto left = [&] {
+    return total > 0 ? std::sqrt(std::max(energies.tail(energies.size() - count).sum(), 0.0) / total) : 0;
+  };
+  do count = std::min<Eigen::Index>(count + 4, energies.size());
+  while (count < energies.size() && (error <= 0 || left() > error));
+  Basis basis{solver.eigenvectors().rowwise().reverse().leftCols(count).cast<float>(), left()};
+  // Eigenvectors have no sign of their own; one that no rounding turns: the largest value is positive.
+  for (Eigen::Index k = 0; k < count; ++k) {
+    Eigen::Index largest = 0;
+    basis.columns.col(k).cwiseAbs().maxCoeff(&largest);
+    if (basis.columns(largest, k) < 0) basis.columns.col(k) *= -1;
+  }
+  return basis;
+}
+
+// Shares of the texels of a row of `from` that each of `to` texels covers.
+struct Cover {
+  int first = 0;
+  std::vector<double> shares;  // sum 1
+};
+std::vector<Cover> covers(int from, int to) {
+  std::vector<Cover> result(static_cast<std::size_t>(to));
+  for (int i = 0; i < to; ++i) {
+    const double begin = static_cast<double>(i) * from / to, end = static_cast<double>(i + 1) * from / to;
+    Cover& cover = result[static_cast<std::size_t>(i)];
+    cover.first = static_cast<int>(begin);
+    for (int x = cover.first; x < end && x < from; ++x)
+      cover.shares.push_back((std::min(end, x + 1.0) - std::max<double>(begin, x)) / (end - begin));
+  }
+  return result;
+}
+
+// Of one view: texels × components.
+Matrix meansOver(const Matrix& finest, int width, int height, const RttLevel& level) {
+  const std::vector<Cover> across = covers(width, level.width), down = covers(height, level.height);
+  Matrix means = Matrix::Zero(static_cast<Eigen::Index>(level.width) * level.height, finest.cols());
+  for (int y = 0; y < level.height; ++y)
+    for (int x = 0; x < level.width; ++x)
+      for (std::size_t j = 0; j < down[y].shares.size(); ++j)
+        for (std::size_t i = 0; i < across[x].shares.size(); ++i)
+          means.row(static_cast<Eigen::Index>(y) * level.width + x) +=
+              static_cast<float>(down[y].shares[j] * across[x].shares[i]) *
+              finest.row(static_cast<Eigen::Index>(down[y].first + static_cast<int>(j)) * width +
+                         across[x].first + static_cast<int>(i));
+  return means;
+}
+
+}  // namespace
+
+PatchSources readPatchSources(const std::filesystem::path& rtt, const std::filesystem::path& id_map) {
+  PatchSources sources{formats::readRadianceTransferTextures(rtt), std::nullopt, {}};
+  if (id_map.empty()) return sources;
+  sources.id_map = formats::readIndexExr(id_map, {"patch.U", "patch.V"});
+  const std::map<std::string, std::string> metadata = formats::readImageMetadata(id_map);
+  const auto widths = metadata.find("bakelight:patch_widths");
+  if (widths == metadata.end()) return sources;
+  const formats::Json json = formats::parseJson(widths->second, id_map.string());
+  const formats::JsonReader reader(json, id_map.string(), "/bakelight:patch_widths");
+  for (const std::string& name : reader.keys()) sources.widths[name] = reader.number(name, {1e-30, 1e30});
+  return sources;
+}
+
+PackedRtt packRtt(const RadianceTransferTexture& texture, const RttPackingOptions& options,
+                  const std::string& file) {
+  const Eigen::Index texels = static_cast<Eigen::Index>(texture.texelCount()),
+                     views = static_cast<Eigen::Index>(texture.viewCount()),
+                     values = static_cast<Eigen::Index>(texture.responseSize());
+  const Samples samples(texture.values.data(), views * texels, values);
+  const Basis basis = principalComponents(samples, options.error);
+  const Eigen::Index components = basis.columns.cols();
+  const std::vector<RttLevel> levels = formats::rttLevels(texture.width, texture.height);
+
+  std::vector<float> factors(formats::rttTexelCount(levels) * texture.viewCount() *
+                             static_cast<std::size_t>(components));
+  tbb::parallel_for(Eigen::Index{0}, views, [&](Eigen::Index view) {
+    const Matrix finest = samples.middleRows(view * texels, texels) * basis.columns;
+    for (const RttLevel& level : levels) {
+      const Matrix means =
+          level.first_texel == 0 ? finest : meansOver(finest, texture.width, texture.height, level);
+      for (Eigen::Index t = 0; t < means.rows(); ++t)
+        std::copy_n(means.row(t).data(), components,
+                    &factors[((level.first_texel + static_cast<std::size_t>(t)) * texture.viewCount() +
+                              static_cast<std::size_t>(view)) *
+                             static_cast<std::size_t>(components)]);
+    }
+  });
+
+  PackedRtt packed;
+  packed.error = basis.error;
+  formats::RttReflection& reflection = packed.reflection;
+  reflection.order = texture.order;
+  reflection.views = texture.views;
+  reflection.width = texture.width;
+  reflection.height = texture.height;
+  reflection.components = static_cast<int>(components);
+  reflection.factors = formats::encodeTable(factors, static_cast<std::size_t>(components), options.precision,
+                                            file, "factors of the radiance transfer texture");
+  reflection.basis.assign(basis.columns.data(),
+                          basis.columns.data() + basis.columns.size());  // column by column
+  return packed;
+}
+
+formats::PackImage packIndex(const formats::IndexImage& id_map) {
+  const int u = id_map.channelIndex("patch.U"), v = id_map.channelIndex("patch.V");
+  formats::Bytes codes(static_cast<std::size_t>(id_map.width) * id_map.height * 2);
+  for (std::size_t i = 0; i < codes.size() / 2; ++i) {
+    const std::uint32_t* texel = &id_map.values[i * id_map.channelCount()];
+    codes[2 * i] = static_cast<std::byte>(texel[u] >> 8);
+    codes[2 * i + 1] = static_cast<std::byte>(texel[v] >> 8);
+  }
+  formats::PackImage image{id_map.width, id_map.height, {"U", "V"}, {}};
+  image.texels.precision = formats::Precision::kUint8;
+  image.texels.rows = codes.size() / 2;
+  image.texels.columns = 2;
+  image.texels.data = std::move(codes);
+  image.texels.scale = {1.0F / 256, 1.0F / 256};  // to the middle of each step
+  image.texels.offset = {1.0F / 512, 1.0F / 512};
+  return image;
+}
+
+}  // namespace bakelight::packing

@@ -1,0 +1,47 @@
+// Radiance transfer textures as a pack holds them: factored, with a pyramid, and with the map of where they lie.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/index_image.h"
+#include "formats/radiance_transfer_texture.h"
+#include "formats/rtt_reflection.h"
+
+namespace bakelight::packing {
+
+// Of materials with meso-structure.
+struct PatchSources {
+  std::vector<formats::RadianceTransferTexture> textures;
+  // Where they lie; nothing: by the mesh's texture coordinates.
+  std::optional<formats::IndexImage> id_map;
+  // By material: the width of its patch in the mesh's unit.
+  std::map<std::string, double> widths;
+};
+// `id_map` may be empty. Throws Error(kBadInput) as the readers of both files.
+PatchSources readPatchSources(const std::filesystem::path& rtt, const std::filesystem::path& id_map);
+
+struct RttPackingOptions {
+  // Principal components are taken until what they leave is less: relative root mean square over all coefficients, views and
+  // texels. 0 takes all.
+  double error = 0.01;
+  formats::Precision precision = formats::Precision::kFloat16;
+};
+
+struct PackedRtt {
+  formats::RttReflection reflection;  // without patch_width, index and repeats
+  double error = 0;                   // that the components leave
+};
+
+// Levels are means over the texels of the finest level that they cover, view by view: a view's picture is taken through a plane
+// by parallel rays, so the mean over an area is what that area sends towards the view, exactly. `file` for errors.
+PackedRtt packRtt(const formats::RadianceTransferTexture& texture, const RttPackingOptions& options,
+                  const std::string& file);
+
+// What idmap wrote, in 256 steps. Throws Error(kBadInput) naming file and channel.
+formats::PackImage packIndex(const formats::IndexImage& id_map);
+
+}  // namespace bakelight::packing

@@ -1,0 +1,328 @@
+#include "tools/player/techniques/bi_scale.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "formats/error.h"
+#include "tools/player/gl/gl_context.h"
+#include "tools/player/gl/gl_program.h"
+#include "tools/player/gl/gpu_table.h"
+#include "tools/player/gl/gpu_timer.h"
+#include "tools/player/operators/visibility_operator.h"
+#include "transport/bi_scale_shading.h"
+#include "transport/sh.h"
+
+namespace bakelight::player {
+namespace {
+
+using formats::Float2;
+using formats::Float3;
+using formats::Float4;
+using formats::RttReflection;
+
+enum Attribute : GLuint {
+  kPosition = 0,
+  kNormal = 1,
+  kTangent = 2,
+  kTexcoord = 3,
+  kProjected = 4
+};                      // bi_scale.vert
+enum Uniform : GLint {  // both shaders
+  kClipFromPosition = 0,
+  kEye,
+  kPixelAngle,
+  kTexelWidth,
+  kFirstGroup,
+  kAlpha,
+  kPlacing,
+  kLevels
+};
+
+Buffer bufferOf(const auto& values) {
+  return makeBuffer(values.size() * sizeof(values[0]), values.data());
+}
+
+// The basis of four components side by side; components beyond the last are zero.
+Buffer basisOf(const RttReflection& reflection, std::size_t groups) {
+  const auto coefficients = static_cast<std::size_t>(transport::coefficientCount(reflection.order));
+  std::vector<Float4> basis(groups * coefficients * 3, Float4{0, 0, 0, 0});
+  for (int k = 0; k < reflection.components; ++k)
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t i = 0; i < coefficients; ++i)
+        basis[((static_cast<std::size_t>(k) / 4 * coefficients) + i) * 3 + c]
+             [static_cast<std::size_t>(k) % 4] = reflection.basisOf(k)[c * coefficients + i];
+  return bufferOf(basis);
+}
+
+std::vector<Float3> albedos(const formats::Pack& pack, const std::vector<formats::VertexRange>& ranges) {
+  std::vector<Float3> albedo(pack.mesh.vertexCount(), Float3{1, 1, 1});
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    if (pack.appearances[i].reflection.as<RttReflection>() != nullptr) continue;
+    for (std::size_t v = ranges[i].first; v < ranges[i].end; ++v)
+      for (std::size_t c = 0; c < 3; ++c)
+        albedo[v][c] = pack.appearances[i].base_color[c] * (pack.colors.empty() ? 1 : pack.colors[v][c]);
+  }
+  return albedo;
+}
+
+std::vector<formats::Triangle> trianglesOf(const formats::Pack& pack, std::size_t appearance) {
+  if (pack.mesh.triangle_materials.empty()) return pack.mesh.triangles;
+  std::vector<formats::Triangle> triangles;
+  for (std::size_t t = 0; t < pack.mesh.triangleCount(); ++t)
+    if (pack.mesh.triangle_materials[t] == appearance) triangles.push_back(pack.mesh.triangles[t]);
+  return triangles;
+}
+
+Texture indexTexture(const formats::PackImage& image) {
+  if (image.texels.columns != 2 || image.texels.precision != formats::Precision::kUint8)
+    throw std::invalid_argument("an index has two channels of 8 bits");
+  Texture texture = makeTexture(GL_RG8, image.width, image.height);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTextureSubImage2D(texture.name(), 0, 0, 0, image.width, image.height, GL_RG, GL_UNSIGNED_BYTE,
+                      image.texels.data.data());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  return texture;
+}
+
+}  // namespace
+
+bool BiScale::plays(const formats::Pack& pack) {
+  return transport::BiScaleShading::shades(pack);
+}
+
+transport::LightNeeds BiScale::needs(const formats::Pack& pack) {
+  return {pack.sh().order};
+}
+
+BiScale::BiScale(const formats::Pack& pack, const SurfaceMesh& mesh, bool near_light)
+    : mesh_(mesh), output_order_(pack.sh().glossy.value().output_order), light_(near_light) {
+  const formats::GlossyTransfer& transfer = *pack.sh().glossy;
+  const std::size_t count = pack.mesh.vertexCount();
+  if (pack.mesh.normals.size() != count || transfer.tangents.size() != count)
+    throw std::invalid_argument("bi-scale shading needs a frame a vertex");
+  transfer_ = makeTransferOperator(transfer.isInObjectFrame() ? matricesFromVisibility(pack) : pack.sh());
+  const std::vector<formats::VertexRange> ranges = formats::appearanceRanges(pack);
+  const std::vector<const formats::PackImage*> indices = formats::rttIndices(pack);
+  normals_ = bufferOf(pack.mesh.normals);
+  tangents_ = bufferOf(transfer.tangents);
+  texcoords_ =
+      pack.mesh.texcoords.empty() ? bufferOf(std::vector<Float2>(count)) : bufferOf(pack.mesh.texcoords);
+  albedo_ = bufferOf(albedos(pack, ranges));
+  const formats::PackImage* last = nullptr;
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    const auto* own = pack.appearances[i].reflection.as<RttReflection>();
+    const RttReflection reflection = own == nullptr ? transport::flatReflection(output_order_) : *own;
+    if (reflection.order > output_order_)
+      throw std::invalid_argument("a radiance transfer texture has more bands than the transferred radiance");
+    Patch patch;
+    patch.vertices = ranges[i];
+    const std::vector<formats::Triangle> triangles = trianglesOf(pack, i);
+    patch.indices = bufferOf(triangles);
+    patch.index_count = indexCountOf(triangles.size(), "mesh", "a simplified mesh");
+    patch.order = reflection.order;
+    patch.views = reflection.views;
+    patch.groups = (static_cast<std::size_t>(reflection.components) + kGroup - 1) / kGroup;
+    // One program for all draws: the last is filled up with zeros.
+    if (patch.groups > kGroupsAtOnce)
+      patch.groups = (patch.groups + kGroupsAtOnce - 1) / kGroupsAtOnce * kGroupsAtOnce;
+    patch.texel_width = reflection.patch_width / static_cast<float>(reflection.width);
+    patch.repeats = {reflection.repeats, reflection.repeats * static_cast<float>(reflection.width) /
+                                             static_cast<float>(reflection.height)};
+    patch.basis = basisOf(reflection, patch.groups);
+    uploadFactors(reflection, patch);
+    if (own != nullptr && indices[i] != nullptr) {
+      if (indices[i] != last) {
+        index_images_.push_back(std::make_unique<Texture>(indexTexture(*indices[i])));
+        index_bytes_ += indices[i]->texels.data.size();
+        last = indices[i];
+      }
+      patch.index = index_images_.back().get();
+      const auto& texels = indices[i]->texels;
+      patch.index_decoding = {texels.scale[0], texels.scale[1], texels.offset[0], texels.offset[1]};
+    }
+    most_groups_ = std::max(most_groups_, patch.groups);
+    patches_.push_back(std::move(patch));
+  }
+  projected_ = makeBuffer(count * most_groups_ * 3 * sizeof(Float4), nullptr);
+  project_program_ = makeComputeProgram({kBiScaleProjectComp});
+  for (Patch& patch : patches_) addPasses(patch);
+  throwIfGlFailed("uploading radiance transfer textures");
+}
+
+void BiScale::uploadFactors(const RttReflection& reflection, Patch& patch) {
+  const std::vector<formats::RttLevel> levels = formats::rttLevels(reflection.width, reflection.height);
+  const std::size_t views = static_cast<std::size_t>(reflection.views),
+                    components = static_cast<std::size_t>(reflection.components);
+  // The finest level, and the others in a column beside it.
+  int below = 0;
+  for (const formats::RttLevel& level : levels) {
+    const bool finest = level.first_texel == 0;
+    patch.levels.push_back({finest ? 0 : reflection.width, finest ? 0 : below, level.width, level.height});
+    if (!finest) below += level.height;
+  }
+  const int width = reflection.views * (reflection.width + (levels.size() > 1 ? levels[1].width : 0)),
+            height = reflection.views * std::max(reflection.height, below);
+  GLint largest = 0, most_layers = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+  glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
+  if (std::max(width, height) > largest || static_cast<GLint>(patch.groups) > most_layers)
+    throw badInput(
+        {"", "radiance transfer texture", ""},
+        "its views take " + std::to_string(width) + " × " + std::to_string(height) + " texels on the GPU",
+        "at most " + std::to_string(largest) + " on a side", "a lower resolution, or fewer views");
+  const bool full = reflection.factors.precision == formats::Precision::kFloat32;
+  GLuint name = 0;
+  glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
+  patch.factors = Texture(name);
+  glTextureStorage3D(name, 1, full ? GL_RGBA32F : GL_RGBA16F, width, height,
+                     static_cast<GLsizei>(patch.groups));
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTextureParameteri(name, wrap, GL_CLAMP_TO_EDGE);
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTextureParameteri(name, filter, GL_LINEAR);
+  patch.factor_bytes = static_cast<std::size_t>(width) * height * patch.groups * (full ? 16 : 8);
+
+  const std::vector<float> factors = reflection.factors.decode();
+  for (std::size_t group = 0; group < patch.groups; ++group)
+    for (std::size_t l = 0; l < levels.size(); ++l) {
+      const int across = levels[l].width * reflection.views, down = levels[l].height * reflection.views;
+      std::vector<Float4> texels(static_cast<std::size_t>(across) * down, Float4{0, 0, 0, 0});
+      for (std::size_t i = 0; i < texels.size(); ++i) {
+        const std::size_t x = i % across, y = i / across;
+        const std::size_t texel = levels[l].first_texel + y / views * levels[l].width + x / views;
+        const float* row = &factors[((texel * views + y % views) * views + x % views) * components];
+        for (std::size_t k = 0; k < kGroup && group * kGroup + k < components; ++k)
+          texels[i][k] = row[group * kGroup + k];
+      }
+      glTextureSubImage3D(name, 0, patch.levels[l][0] * reflection.views,
+                          patch.levels[l][1] * reflection.views, static_cast<GLint>(group), across, down, 1,
+                          GL_RGBA, GL_FLOAT, texels.data());
+    }
+}
+
+Program BiScale::programFor(const Patch& patch) const {
+  std::string definitions = "#define GROUPS " + std::to_string(std::min(patch.groups, kGroupsAtOnce)) +
+                            "\n#define VIEWS " + std::to_string(patch.views) + "\n#define LEVELS " +
+                            std::to_string(patch.levels.size()) + "\n";
+  if (patch.index != nullptr) definitions += "#define INDEX\n";
+  return makeProgram(
+      {{GL_VERTEX_SHADER, {kBiScaleVert}, definitions}, {GL_FRAGMENT_SHADER, {kBiScaleFrag}, definitions}});
+}
+
+void BiScale::addPasses(Patch& patch) {
+  patch.program = programFor(patch);
+  const auto stride = static_cast<GLsizei>(most_groups_ * 3 * sizeof(Float4));
+  for (std::size_t first = 0; first < patch.groups; first += kGroupsAtOnce) {
+    VertexArray vertices = makeVertexArray();
+    const GLuint name = vertices.name();
+    const auto attribute = [&](GLuint location, const Buffer& buffer, GLintptr offset, GLsizei step,
+                               GLint size) {
+      glVertexArrayVertexBuffer(name, location, buffer.name(), offset, step);
+      glEnableVertexArrayAttrib(name, location);
+      glVertexArrayAttribFormat(name, location, size, GL_FLOAT, GL_FALSE, 0);
+      glVertexArrayAttribBinding(name, location, location);
+    };
+    attribute(kPosition, mesh_.positions(), 0, sizeof(Float3), 3);
+    attribute(kNormal, normals_, 0, sizeof(Float3), 3);
+    attribute(kTangent, tangents_, 0, sizeof(Float4), 4);
+    attribute(kTexcoord, texcoords_, 0, sizeof(Float2), 2);
+    const std::size_t groups = std::min(patch.groups - first, kGroupsAtOnce);
+    for (std::size_t i = 0; i < 3 * groups; ++i)
+      attribute(kProjected + static_cast<GLuint>(i), projected_,
+                static_cast<GLintptr>((3 * first + i) * sizeof(Float4)), stride, 4);
+    glVertexArrayElementBuffer(name, patch.indices.name());
+    patch.passes.push_back(std::move(vertices));
+  }
+}
+
+void BiScale::setLight(const GpuLight& distant, const GpuLight* near) {
+  if (!light_.update(distant, near)) return;
+  {
+    const GpuPass pass("transfer");
+    transfer_->evaluate(light_.sh());
+    throwIfGlFailed("transferring the light");
+  }
+  project();
+}
+
+void BiScale::project() {
+  const GpuPass pass("project");
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  glUseProgram(project_program_.name());
+  const std::size_t transferred_bytes =
+      static_cast<std::size_t>(transport::coefficientCount(output_order_)) * sizeof(Float3);
+  const std::size_t projected_bytes = most_groups_ * 3 * sizeof(Float4);
+  const std::vector<RowRange> ranges =
+      rowRanges(mesh_.vertexCount(), std::max(transferred_bytes, projected_bytes), most_groups_);
+  for (const Patch& patch : patches_) {
+    glUniform1ui(2, static_cast<GLuint>(patch.groups));
+    glUniform1ui(3, static_cast<GLuint>(most_groups_));
+    glUniform1ui(4, static_cast<GLuint>(transport::coefficientCount(patch.order)));
+    glUniform1ui(5, static_cast<GLuint>(transport::coefficientCount(output_order_)));
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, patch.basis.name());
+    for (const RowRange& range : ranges) {
+      const std::size_t first = std::max(range.first, patch.vertices.first);
+      const std::size_t end = std::min(range.first + range.count, patch.vertices.end);
+      if (first >= end) continue;
+      bindRows(0, transfer_->transferred(), range, transferred_bytes);
+      bindRows(2, albedo_, range, sizeof(Float3));
+      bindRows(3, projected_, range, projected_bytes);
+      glUniform1ui(0, static_cast<GLuint>(end - range.first));
+      glUniform1ui(1, static_cast<GLuint>(first - range.first));
+      dispatchItems((end - first) * patch.groups);
+    }
+  }
+  glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+  throwIfGlFailed("projecting onto radiance transfer textures");
+}
+
+void BiScale::lookFrom(const transport::ViewPoint& view) {
+  eye_ = transport::float3(view.eye - mesh_.origin());
+  pixel_angle_ = static_cast<float>(view.pixel_angle);
+}
+
+void BiScale::draw(const Eigen::Matrix4f& clip_from_position) const {
+  const GpuPass pass("surface");
+  for (const Patch& patch : patches_) {
+    glUseProgram(patch.program.name());
+    glUniformMatrix4fv(kClipFromPosition, 1, GL_FALSE, clip_from_position.data());
+    glUniform3fv(kEye, 1, eye_.data());
+    glUniform1f(kPixelAngle, pixel_angle_);
+    glUniform1f(kTexelWidth, patch.texel_width);
+    glUniform4iv(kLevels, static_cast<GLsizei>(patch.levels.size()), patch.levels.front().data());
+    glBindTextureUnit(0, patch.factors.name());
+    if (patch.index != nullptr) {
+      glBindTextureUnit(1, patch.index->name());
+      glUniform4fv(kPlacing, 1, patch.index_decoding.data());
+    } else {
+      glUniform2fv(kPlacing, 1, patch.repeats.data());
+    }
+    for (std::size_t i = 0; i < patch.passes.size(); ++i) {
+      // What the first draw shows, the others add to.
+      if (i == 1) {
+        glEnable(GL_BLEND);
+        glBlendFunc(GL_ONE, GL_ONE);
+        glDepthFunc(GL_EQUAL);
+      }
+      glUniform1i(kFirstGroup, static_cast<GLint>(i * kGroupsAtOnce));
+      glUniform1f(kAlpha, i == 0 ? 1.0F : 0.0F);
+      glBindVertexArray(patch.passes[i].name());
+      glDrawElements(GL_TRIANGLES, patch.index_count, GL_UNSIGNED_INT, nullptr);
+    }
+    glDisable(GL_BLEND);
+    glDepthFunc(GL_LEQUAL);
+  }
+}
+
+std::size_t BiScale::gpuBytes() const {
+  std::size_t bytes = transfer_->gpuBytes() + light_.gpuBytes() + sizeInBytes(normals_) +
+                      sizeInBytes(tangents_) + sizeInBytes(texcoords_) + sizeInBytes(albedo_) +
+                      sizeInBytes(projected_) + index_bytes_;
+  for (const Patch& patch : patches_)
+    bytes += sizeInBytes(patch.indices) + sizeInBytes(patch.basis) + patch.factor_bytes;
+  return bytes;
+}
+
+}  // namespace bakelight::player

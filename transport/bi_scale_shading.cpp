@@ -1,0 +1,276 @@
+#include "transport/bi_scale_shading.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "transport/hemisphere_grid.h"
+#include "transport/sh.h"
+
+namespace bakelight::transport {
+namespace {
+
+using formats::Float2;
+using formats::Float4;
+using formats::PackImage;
+using formats::RttReflection;
+
+bool isLambert(const formats::Appearance& appearance) {
+  return appearance.reflection.as<formats::LambertReflection>() != nullptr;
+}
+
+Eigen::Matrix3d localFromObject(const Float3& normal, const Float4& tangent) {
+  const Vec3 n = vec3(normal).normalized(), along(tangent[0], tangent[1], tangent[2]);
+  Eigen::Matrix3d local;
+  local.row(0) = (along - along.dot(n) * n).normalized();
+  local.row(2) = n;
+  local.row(1) = tangent[3] * n.cross(Vec3(local.row(0)));
+  return local;
+}
+
+int texelOf(double place, int count) {
+  return std::clamp(static_cast<int>(place * count), 0, count - 1);
+}
+
+double fraction(double x) {
+  return x - std::floor(x);
+}
+
+}  // namespace
+
+formats::RttReflection flatReflection(int order) {
+  RttReflection flat;
+  flat.order = order;
+  flat.views = flat.width = flat.height = flat.components = 1;
+  flat.patch_width = 1;
+  flat.factors = formats::encodeTable(std::array{1.0F}, 1, formats::Precision::kFloat32, "", "flat");
+  flat.basis.assign(3 * static_cast<std::size_t>(coefficientCount(order)), 0.0F);
+  const std::vector<double> cosine = clampedCosineFactors(order);
+  for (int l = 0; l < order; ++l)
+    for (std::size_t c = 0; c < 3; ++c)
+      flat.basis[c * coefficientCount(order) + static_cast<std::size_t>(l * (l + 1))] =
+          static_cast<float>(cosine[l] / std::numbers::pi * std::sqrt((2 * l + 1) / (4 * std::numbers::pi)));
+  return flat;
+}
+
+double rttLevelOf(double distance, double pixel_angle, double cosine, double texel_width) {
+  const double covered = distance * pixel_angle / (texel_width * std::sqrt(std::max(cosine, 0.01)));
+  return covered > 1 ? std::log2(covered) : 0;
+}
+
+struct BiScaleShading::Patch {
+  formats::RttReflection reflection;  // without the tables below
+  std::vector<formats::RttLevel> levels;
+  std::vector<float> factors;
+  std::vector<std::uint8_t> index;  // U, V
+  int index_width = 0, index_height = 0;
+  std::array<float, 2> index_scale = {1, 1}, index_offset = {0, 0};
+
+  Patch(const RttReflection& source, const PackImage* image)
+      : reflection(source),
+        levels(formats::rttLevels(source.width, source.height)),
+        factors(source.factors.decode()) {
+    const std::size_t views = static_cast<std::size_t>(source.views) * source.views;
+    if (factors.size() != formats::rttTexelCount(levels) * views * source.components ||
+        source.basis.size() != 3 * static_cast<std::size_t>(source.components) * source.order * source.order)
+      throw std::invalid_argument("factors of a radiance transfer texture do not fit its size");
+    reflection.factors = {};
+    reflection.index.reset();
+    if (image == nullptr) return;
+    if (image->texels.columns != 2 || image->texels.precision != formats::Precision::kUint8)
+      throw std::invalid_argument("an index has two channels of 8 bits");
+    index_width = image->width;
+    index_height = image->height;
+    index.resize(image->texels.data.size());
+    std::transform(image->texels.data.begin(), image->texels.data.end(), index.begin(),
+                   [](std::byte code) { return static_cast<std::uint8_t>(code); });
+    std::copy_n(image->texels.scale.begin(), 2, index_scale.begin());
+    std::copy_n(image->texels.offset.begin(), 2, index_offset.begin());
+  }
+
+  // Adds `weight` times the factors of a texel, between the views around.
+  void add(const formats::RttLevel& level, const Float2& place, const GridPosition& view, float weight,
+           std::span<float> sum) const {
+    const int x = texelOf(place[0], level.width), y = texelOf(1.0 - place[1], level.height);
+    const std::size_t views = static_cast<std::size_t>(reflection.views), count = sum.size();
+    const std::size_t texel = level.first_texel + static_cast<std::size_t>(y) * level.width + x;
+    const bool several = views > 1;
+    for (int j = 0; j < (several ? 2 : 1); ++j)
+      for (int i = 0; i < (several ? 2 : 1); ++i) {
+        const float share =
+            weight *
+            (several ? (i == 0 ? 1 - view.across : view.across) * (j == 0 ? 1 - view.up : view.up) : 1);
+        const float* row = &factors[((texel * views + static_cast<std::size_t>(view.row + j)) * views +
+                                     static_cast<std::size_t>(view.column + i)) *
+                                    count];
+        for (std::size_t k = 0; k < count; ++k) sum[k] += share * row[k];
+      }
+  }
+};
+
+bool BiScaleShading::shades(const formats::Pack& pack) {
+  const auto* transfer = pack.transfer.as<formats::ShTransfer>();
+  const auto is_rtt = [](const formats::Appearance& a) {
+    return a.reflection.as<RttReflection>() != nullptr;
+  };
+  return transfer != nullptr && transfer->glossy &&
+         std::any_of(pack.appearances.begin(), pack.appearances.end(), is_rtt) &&
+         std::all_of(pack.appearances.begin(), pack.appearances.end(),
+                     [&](const formats::Appearance& a) { return is_rtt(a) || isLambert(a); });
+}
+
+BiScaleShading::BiScaleShading(const formats::Pack& pack)
+    : order_(pack.sh().order),
+      mesh_(pack.mesh),
+      tangents_(pack.sh().glossy.value().tangents),
+      transfer_(std::make_unique<GlossyEvaluator>(pack.sh())),
+      rows_(static_cast<std::size_t>(coefficientCount(pack.sh().glossy->output_order))),
+      ranges_(formats::appearanceRanges(pack)),
+      vertex_albedo_(pack.mesh.vertexCount(), Float3{1, 1, 1}) {
+  const int output_order = pack.sh().glossy->output_order;
+  if (tangents_.size() != mesh_.vertexCount() || mesh_.normals.size() != mesh_.vertexCount())
+    throw std::invalid_argument("bi-scale shading needs a normal and a tangent for each vertex");
+  const std::vector<const PackImage*> indices = formats::rttIndices(pack);
+  for (std::size_t i = 0; i < ranges_.size(); ++i) {
+    const formats::Appearance& appearance = pack.appearances[i];
+    const auto* rtt = appearance.reflection.as<RttReflection>();
+    patches_.push_back(std::make_shared<Patch>(rtt == nullptr ? flatReflection(output_order) : *rtt,
+                                               rtt == nullptr ? nullptr : indices[i]));
+    components_ = std::max(components_, static_cast<std::size_t>(patches_.back()->reflection.components));
+    if (patches_.back()->reflection.order > output_order)
+      throw std::invalid_argument("a radiance transfer texture has more bands than the transferred radiance");
+    if (rtt != nullptr) {
+      if (mesh_.texcoords.size() != mesh_.vertexCount())
+        throw std::invalid_argument("radiance transfer textures need texture coordinates");
+      continue;
+    }
+    for (std::size_t v = ranges_[i].first; v < ranges_[i].end; ++v)
+      for (std::size_t c = 0; c < 3; ++c)
+        vertex_albedo_[v][c] = appearance.base_color[c] * (pack.colors.empty() ? 1 : pack.colors[v][c]);
+  }
+  projected_.assign(mesh_.vertexCount() * components_, Float3{0, 0, 0});
+  if (!pack.sh().glossy->isInObjectFrame()) return;
+  local_from_object_.reserve(mesh_.vertexCount());
+  for (std::size_t v = 0; v < mesh_.vertexCount(); ++v)
+    local_from_object_.emplace_back(output_order, localFromObject(mesh_.normals[v], tangents_[v]));
+}
+
+LightNeeds BiScaleShading::needs() const {
+  return {order_};
+}
+
+void BiScaleShading::setLight(std::span<const Float3> distant, std::span<const Float3> near) {
+  const std::size_t count = coefficientCount(order_);
+  if (distant.size() < count || (!near.empty() && near.size() < count))
+    throw std::invalid_argument("the light has fewer bands than the pack");
+  ShLight light(distant.begin(), distant.begin() + static_cast<std::ptrdiff_t>(count));
+  for (std::size_t i = 0; i < count && !near.empty(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) light[i][c] += near[i][c];
+  project(transfer_->transferredRadiance(light));
+}
+
+void BiScaleShading::project(std::span<const Float3> transferred) {
+  for (std::size_t a = 0; a < ranges_.size(); ++a) {
+    const RttReflection& reflection = patches_[a]->reflection;
+    const std::size_t count = coefficientCount(reflection.order);
+    tbb::parallel_for(ranges_[a].first, ranges_[a].end, [&](std::size_t v) {
+      std::span<const Float3> incident = transferred.subspan(v * rows_, rows_);
+      std::vector<Float3> turned;
+      if (!local_from_object_.empty()) incident = turned = local_from_object_[v].apply(incident);
+      for (int k = 0; k < reflection.components; ++k) {
+        const float* basis = reflection.basisOf(k);
+        Float3& sum = projected_[v * components_ + static_cast<std::size_t>(k)];
+        for (std::size_t c = 0; c < 3; ++c) {
+          double product = 0;
+          for (std::size_t i = 0; i < count; ++i) product += double{basis[c * count + i]} * incident[i][c];
+          sum[c] = static_cast<float>(product) * vertex_albedo_[v][c];
+        }
+      }
+    });
+  }
+}
+
+struct BiScaleShading::Surface {
+  std::size_t appearance = 0;
+  formats::Triangle corners = {};
+  std::array<float, 3> weights = {};
+  Float2 texcoord = {0, 0};
+  Vec3 to_eye;  // local
+  double distance = 0;
+};
+
+BiScaleShading::Surface BiScaleShading::surfaceAt(const SurfaceHit& hit) const {
+  Surface at;
+  at.corners = mesh_.triangles[hit.triangle];
+  at.weights = {1 - hit.u - hit.v, hit.u, hit.v};
+  if (!mesh_.triangle_materials.empty()) at.appearance = mesh_.triangle_materials[hit.triangle];
+  Vec3 position = Vec3::Zero(), normal = Vec3::Zero(), tangent = Vec3::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t v = at.corners[k];
+    const double weight = at.weights[k];
+    position += weight * vec3(mesh_.positions[v]);
+    normal += weight * vec3(mesh_.normals[v]);
+    tangent += weight * Vec3(tangents_[v][0], tangents_[v][1], tangents_[v][2]);
+    if (mesh_.texcoords.empty()) continue;
+    for (std::size_t c = 0; c < 2; ++c) at.texcoord[c] += at.weights[k] * mesh_.texcoords[v][c];
+  }
+  const Float3 t = float3(tangent);
+  const Vec3 offset = view_.eye - position;
+  at.distance = offset.norm();
+  if (at.distance > 0 && normal.norm() > 0)
+    at.to_eye = localFromObject(float3(normal), {t[0], t[1], t[2], tangents_[at.corners[0]][3]}) *
+                (offset / at.distance);
+  else
+    at.to_eye = Vec3::UnitZ();
+  return at;
+}
+
+Float2 BiScaleShading::placeOf(const Patch& patch, const Float2& texcoord) const {
+  if (patch.index.empty()) {
+    const double repeats = patch.reflection.repeats,
+                 aspect = static_cast<double>(patch.reflection.width) / patch.reflection.height;
+    const double u = texcoord[0] * repeats, v = texcoord[1] * repeats * aspect;
+    return {static_cast<float>(fraction(u)), static_cast<float>(fraction(v))};
+  }
+  const int x = texelOf(texcoord[0], patch.index_width), y = texelOf(1.0 - texcoord[1], patch.index_height);
+  const std::uint8_t* codes = &patch.index[2 * (static_cast<std::size_t>(y) * patch.index_width + x)];
+  return {patch.index_offset[0] + patch.index_scale[0] * codes[0],
+          patch.index_offset[1] + patch.index_scale[1] * codes[1]};
+}
+
+Float3 BiScaleShading::radianceAt(const SurfaceHit& hit) const {
+  const Surface at = surfaceAt(hit);
+  const Patch& patch = *patches_[at.appearance];
+  const RttReflection& reflection = patch.reflection;
+  const Float2 place = placeOf(patch, at.texcoord);
+  const GridPosition view = gridPosition(reflection.views, at.to_eye);
+  const double level = std::min(rttLevelOf(at.distance, view_.pixel_angle, at.to_eye.z(),
+                                           double{reflection.patch_width} / reflection.width),
+                                static_cast<double>(patch.levels.size() - 1));
+  const auto fine = static_cast<std::size_t>(level);
+  const float blend = static_cast<float>(level - static_cast<double>(fine));
+  std::array<float, 3 * formats::kMaxOrder * formats::kMaxOrder> buffer;
+  const std::span<float> factors = std::span(buffer).first(static_cast<std::size_t>(reflection.components));
+  std::fill(factors.begin(), factors.end(), 0.0F);
+  patch.add(patch.levels[fine], place, view, 1 - blend, factors);
+  if (blend > 0) patch.add(patch.levels[fine + 1], place, view, blend, factors);
+  Float3 radiance = {0, 0, 0};
+  for (std::size_t k = 0; k < factors.size(); ++k)
+    for (std::size_t c = 0; c < 3; ++c) {
+      float incident = 0;
+      for (std::size_t corner = 0; corner < 3; ++corner)
+        incident += at.weights[corner] * projected_[at.corners[corner] * components_ + k][c];
+      radiance[c] += factors[k] * incident;
+    }
+  return radiance;
+}
+
+void BiScaleShading::radianceAt(std::span<const SurfaceHit> hits, std::span<Float3> radiance) const {
+  for (std::size_t i = 0; i < hits.size(); ++i) radiance[i] = radianceAt(hits[i]);
+}
+
+}  // namespace bakelight::transport
