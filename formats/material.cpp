@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr JsonReader::Range kShare = {0, 1}, kExponent = {0, 100000},
-                            kWidth = {std::numeric_limits<double>::min(), 1e15};
+                            kWidth = {std::numeric_limits<double>::min(), 1e15}, kDepth = {1e-6, 100};
 constexpr const char* kColorOrTexture = "three numbers from 0 to 1, or the file name of a picture";
 
 template <class... Cases>
@@ -65,11 +65,53 @@ Reflection reflectionFrom(const JsonReader& object, const FileResolver& files) {
   return reflection;
 }
 
+PatchHeight heightFrom(const JsonReader& object, const FileResolver& files) {
+  PatchHeight height;
+  height.file = fileNamed(object.at("file", "a picture of heights"), files);
+  object.read("depth", height.depth, kDepth);
+  object.refuseOthers();
+  return height;
+}
+
+constexpr Word<PatchMesh::Up> kUps[] = {{"z", PatchMesh::Up::kZ}, {"y", PatchMesh::Up::kY}};
+
+PatchMesh patchMeshFrom(const JsonReader& object, const FileResolver& files) {
+  PatchMesh mesh;
+  mesh.file = fileNamed(object.at("file", "a mesh"), files);
+  object.read("up", mesh.up, kUps);
+  if (const auto period = object.find("period")) {
+    const std::vector<double> sides = period->numbers(2);
+    for (std::size_t i = 0; i < sides.size(); ++i) period->at(i).number(kWidth);
+    mesh.period = {sides[0], sides[1]};
+  }
+  object.refuseOthers();
+  return mesh;
+}
+
 Patch patchFrom(const JsonReader& object, const FileResolver& files) {
-  Patch patch{fileNamed(object.at("file", "a picture"), files), {}};
+  Patch patch;
+  if (const auto file = object.find("file")) patch.file = fileNamed(*file, files);
   if (object.has("width")) patch.width = object.number("width", kWidth);
   object.read("periodic", patch.periodic);
+  if (const auto height = object.find("height")) patch.height = heightFrom(*height, files);
+  if (const auto geometry = object.find("geometry")) patch.geometry = patchMeshFrom(*geometry, files);
+  if (patch.height && patch.geometry)
+    throw object.at("geometry")
+        .error("a patch has one surface, and this one has a \"height\", too",
+               "either \"height\" or \"geometry\"");
+  if (const auto texture = object.find("texture")) {
+    patch.texture = fileNamed(texture->at("file", "a picture"), files);
+    texture->refuseOthers();
+  }
+  if (const auto albedo = object.find("albedo")) patch.albedo = albedo->float3(kShare);
   object.refuseOthers();
+  if (!patch.hasSurface() && patch.file.empty())
+    throw object.error("it has neither a picture nor a surface",
+                       "\"file\": a picture, \"height\": a picture of heights, or \"geometry\": a mesh");
+  for (const char* key : {"texture", "albedo"})
+    if (object.has(key) && !patch.hasSurface())
+      throw object.at(key).error("it is of the patch's surface, and there is none",
+                                 "with \"height\" or \"geometry\"");
   return patch;
 }
 
@@ -121,8 +163,16 @@ Json toJson(const Reflection& reflection) {
 }
 
 Json toJson(const Patch& patch) {
-  Json json = {{"file", patch.file.string()}, {"periodic", patch.periodic}};
+  Json json = {{"periodic", patch.periodic}};
+  if (!patch.file.empty()) json["file"] = patch.file.string();
   if (patch.width) json["width"] = *patch.width;
+  if (patch.height) json["height"] = {{"file", patch.height->file.string()}, {"depth", patch.height->depth}};
+  if (patch.geometry) {
+    json["geometry"] = {{"file", patch.geometry->file.string()}, {"up", wordFor(kUps, patch.geometry->up)}};
+    if (patch.geometry->period) json["geometry"]["period"] = *patch.geometry->period;
+  }
+  if (!patch.texture.empty()) json["texture"] = {{"file", patch.texture.string()}};
+  if (patch.albedo) json["albedo"] = numbersOf(*patch.albedo);
   return json;
 }
 

@@ -2,6 +2,7 @@
 // that looks at a material reads it here.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -52,11 +53,36 @@ struct TableReflection {
 
 using Reflection = std::variant<Lambert, PhongReflection, GgxReflection, TableReflection>;
 
-// Structure that is repeated over a surface, as an image of any channels: what mesomesh lays out.
-struct Patch {
+// A patch's surface as a picture of heights.
+struct PatchHeight {
   std::filesystem::path file;
+  double depth = 0.1;  // from its black to its white, in widths of the patch
+  bool operator==(const PatchHeight&) const = default;
+};
+
+// A patch's surface as a mesh.
+struct PatchMesh {
+  std::filesystem::path file;
+  enum class Up { kZ, kY } up = Up::kZ;  // what points out of the patch
+  // Of the box that repeats, across and up the patch, in the mesh's unit; nothing: the mesh's bounds.
+  std::optional<std::array<double, 2>> period;
+  bool operator==(const PatchMesh&) const = default;
+};
+
+// Structure that is repeated over a surface: an image of any channels that mesomesh lays out, a surface that
+// rtt renders, or both.
+struct Patch {
+  std::filesystem::path file;   // the image; may be empty where there is a surface
   std::optional<double> width;  // in the asset's unit, positive; nothing: as the meso-mesh's spacing suits it
   bool periodic = true;         // its left continues its right and its top its bottom
+  // At most one of the two.
+  std::optional<PatchHeight> height = {};
+  std::optional<PatchMesh> geometry = {};
+  // Of the surface: a picture over the patch times the albedo, where there is either.
+  std::filesystem::path texture = {};
+  std::optional<Float3> albedo = {};
+
+  bool hasSurface() const { return height || geometry; }
   bool operator==(const Patch&) const = default;
 };
 

@@ -68,6 +68,8 @@ Patches readPatches(const formats::Materials& materials, const std::vector<std::
     if (same != known.end() && material.patch) return static_cast<std::uint32_t>(same - known.begin());
     const auto place = static_cast<std::uint32_t>(known.size());
     known.push_back(material.patch);
+    if (material.patch && material.patch->file.empty())
+      throw badInput({file, "", "/patch"}, "the patch has no picture to lay out", "\"file\": a picture");
     const Image image = material.patch ? formats::readImage(material.patch->file) : plainTexel(material);
     ExemplarSettings settings;
     if (material.patch) {

@@ -70,6 +70,40 @@ TEST(Material, HasAPatch) {
   EXPECT_THAT(problemWith(R"({ "patch": { "file": "w.png" } })"), HasSubstr("/patch/file"));
 }
 
+TEST(Material, PatchMayBeASurface) {
+  const FileResolver any = [](const std::string& name, const ErrorPlace&) { return name; };
+  const auto materialsOf = [&](const std::string& text) {
+    return materialsFromJson(parseJson(text, "m.json"), "m.json", "", any);
+  };
+  const Materials heights = materialsOf(
+      R"({ "patch": { "height": { "file": "h.png", "depth": 0.2 }, "texture": { "file": "t.png" } } })");
+  const Patch& patch = *heights.base.patch;
+  EXPECT_TRUE(patch.hasSurface());
+  EXPECT_TRUE(patch.file.empty());
+  EXPECT_EQ(patch.height, (PatchHeight{"h.png", 0.2}));
+  EXPECT_EQ(patch.texture, "t.png");
+  const Materials mesh = materialsOf(
+      R"({ "patch": { "geometry": { "file": "w.ply", "up": "y", "period": [2, 3] }, "albedo": [1, 0, 0.5] } })");
+  EXPECT_EQ(mesh.base.patch->geometry, (PatchMesh{"w.ply", PatchMesh::Up::kY, std::array{2.0, 3.0}}));
+  for (const Materials& each : {heights, mesh})
+    EXPECT_EQ(materialsFromJson(toJson(each), "m.json", "", any).base.patch, each.base.patch);
+
+  const auto problemOf = [&](const std::string& text) -> std::string {
+    try {
+      materialsOf(text);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(problemOf(R"({ "patch": { "geometry": { "file": "w.ply" }, "height": { "file": "h.png" } } })"),
+              HasSubstr("/patch/geometry"));
+  EXPECT_THAT(problemOf(R"({ "patch": { "geometry": { "file": "w.ply", "period": [0, 1] } } })"),
+              HasSubstr("/patch/geometry/period/0"));
+  EXPECT_THAT(problemOf(R"({ "patch": { "file": "w.png", "albedo": [1, 1, 1] } })"),
+              HasSubstr("/patch/albedo"));
+}
+
 TEST(Material, OfSomeFacesHasAName) {
   const Materials materials =
       parsed(R"({ "material": { "albedo": [1, 1, 1] }, "materials": { "lid": { "albedo": [0, 0, 1] } } })");

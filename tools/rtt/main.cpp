@@ -1,0 +1,101 @@
+// rtt: what the patches of materials send towards each view, of each spherical harmonic of the light on them.
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "formats/error.h"
+#include "formats/material.h"
+#include "patch/read_patch.h"
+#include "tools/rtt/rtt.h"
+#include "tools/stage/stage.h"
+#include "transport/ray_scene.h"
+
+using namespace bakelight;
+
+namespace {
+
+struct NamedMaterial {
+  std::string name;
+  const formats::Material* material;
+};
+
+// Those whose patch has a surface; "" is the asset's own.
+std::vector<NamedMaterial> withSurfaces(const formats::Materials& materials) {
+  std::vector<NamedMaterial> named;
+  const auto take = [&](const std::string& name, const formats::Material& material) {
+    if (material.patch && material.patch->hasSurface()) named.push_back({name, &material});
+  };
+  take("", materials.base);
+  for (const auto& [name, material] : materials.by_name) take(name, material);
+  return named;
+}
+
+formats::Json toJson(const std::string& name, const rtt::Rtt& made) {
+  const rtt::Figures& figures = made.figures;
+  return {{"material", name},
+          {"width", made.texture.width},
+          {"height", made.texture.height},
+          {"surface_triangles", figures.surface_triangles},
+          {"surface_points", figures.surface_points},
+          {"depth", figures.depth},
+          {"hole_share", figures.hole_share},
+          {"mean_albedo", figures.mean_albedo}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::filesystem::path material_path, rtt_path;
+  rtt::Options options;
+  stage::Tool tool("rtt",
+                   "Renders patches of meso-structure towards all views, for light in spherical harmonics");
+  tool.input("material", "material", material_path,
+             "Each material's \"patch\" that has a surface (\"height\" or \"geometry\") is rendered",
+             {.required = true, .parts = {"albedo", "reflection", "patch"}})
+      .output("rtt", "rtt", rtt_path, "EXR: a radiance transfer texture for each such material")
+      .parameter("resolution", options.resolution, {1, 2048}, "texels", "Of a texture, across")
+      .parameter("views", options.views, {1, 32}, "", "A side of the grid of views over the hemisphere")
+      .parameter("supersampling", options.supersampling, {1, 16}, "", "Points a texel, a side")
+      .parameter("order", options.order, {1, 10}, "bands", "Of spherical harmonics of the light")
+      .parameter("lights", options.light_rule, rtt::kLightRules,
+                 "gauss_legendre: in height, exact on a flat patch; polar: even in the polar angle, as the "
+                 "paper has it")
+      .parameter("polar_lights", options.polar_lights, {1, 256}, "",
+                 "Directions of light from zenith to horizon")
+      .parameter("azimuth_lights", options.azimuth_lights, {1, 512}, "",
+                 "Directions of light around the zenith")
+      .parameter("shadows", options.shadows, "Light is blocked by the surface")
+      .parameter("masking", options.masking,
+                 "A view sees along its direction; without, all see what lies straight below")
+      .executionPath(transport::RayScene::executionPath);
+
+  return tool.run(argc, argv, [&](stage::Run& run) {
+    const formats::Materials materials = formats::readMaterials(material_path);
+    const std::vector<NamedMaterial> named = withSurfaces(materials);
+    if (named.empty())
+      throw badInput({material_path.string(), "", "/patch"}, "no material has a patch with a surface",
+                     "a patch with \"height\" or \"geometry\"", "add one to a material's \"patch\"");
+    stage::Progress progress =
+        run.progress("rtt", named.size() * static_cast<std::size_t>(options.views) * options.views, "views");
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<formats::RadianceTransferTexture> textures;
+    formats::Json stats = formats::Json::array();
+    std::uint64_t rays = 0;
+    for (const NamedMaterial& each : named) {
+      const patch::PatchGeometry geometry = patch::readPatch(*each.material);
+      for (const std::string& note : geometry.notes) run.warn(note);
+      rtt::Rtt made = rtt::makeRtt(geometry, options, [&] { progress.advance(1); });
+      made.texture.material = each.name;
+      rays += made.figures.rays;
+      stats.push_back(toJson(each.name, made));
+      textures.push_back(std::move(made.texture));
+    }
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    formats::writeRadianceTransferTextures(rtt_path, textures);
+    run.stat("textures", stats);
+    run.stat("seconds", seconds);
+    run.stat("rays", rays);
+    run.stat("rays_per_s", static_cast<double>(rays) / seconds);
+  });
+}

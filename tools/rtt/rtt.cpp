@@ -1,0 +1,58 @@
+#include "tools/rtt/rtt.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tools/rtt/surface_light.h"
+#include "tools/rtt/views.h"
+#include "transport/hemisphere_grid.h"
+#include "transport/periodic_ray_scene.h"
+
+namespace bakelight::rtt {
+namespace {
+
+// A uniform sky of 1 has the coefficient √(4π).
+formats::Float3 meanAlbedo(const formats::RadianceTransferTexture& texture) {
+  std::array<double, 3> sums = {};
+  double weights = 0;
+  for (int row = 0; row < texture.views; ++row)
+    for (int column = 0; column < texture.views; ++column) {
+      const double cosine = transport::hemisphereCell(texture.views, column, row).z();
+      weights += cosine;
+      for (int y = 0; y < texture.height; ++y)
+        for (int x = 0; x < texture.width; ++x)
+          for (std::size_t c = 0; c < 3; ++c)
+            sums[c] += cosine * texture.response(column, row, x, y)[c * texture.coefficientCount()];
+    }
+  const double sky = std::sqrt(4 * std::numbers::pi) / (weights * static_cast<double>(texture.texelCount()));
+  formats::Float3 albedo;
+  for (std::size_t c = 0; c < 3; ++c) albedo[c] = static_cast<float>(sums[c] * sky);
+  return albedo;
+}
+
+}  // namespace
+
+Rtt makeRtt(const patch::PatchGeometry& geometry, const Options& options,
+            const std::function<void()>& progress) {
+  const transport::PeriodicRayScene scene(geometry.mesh, {geometry.period_x, geometry.period_y});
+  const std::vector<LightDirection> lights =
+      lightDirections(options.light_rule, options.polar_lights, options.azimuth_lights, options.order);
+  const SurfaceLight light = surfaceLight(geometry, scene, lights, {options.order, options.shadows});
+  Rtt rtt;
+  rtt.texture.order = options.order;
+  rtt.texture.views = options.views;
+  rtt.texture.width = options.resolution;
+  rtt.texture.height = std::max(1, static_cast<int>(std::lround(options.resolution * geometry.aspect)));
+  const ViewFigures seen =
+      renderViews(geometry, scene, light, options.supersampling, options.masking, progress, rtt.texture);
+  rtt.figures.surface_triangles = geometry.mesh.triangleCount();
+  rtt.figures.surface_points = light.rows.size() / light.rowSize();
+  rtt.figures.rays = light.rays + seen.rays;
+  rtt.figures.hole_share = static_cast<double>(seen.through) / static_cast<double>(seen.rays);
+  rtt.figures.depth = scene.highest() - scene.lowest();
+  rtt.figures.mean_albedo = meanAlbedo(rtt.texture);
+  return rtt;
+}
+
+}  // namespace bakelight::rtt

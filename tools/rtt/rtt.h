@@ -1,0 +1,45 @@
+// The radiance transfer texture of a patch of meso-structure (Sloan, Liu, Shum & Snyder 2003, "Bi-Scale Radiance
+// Transfer", section 4.2): what it sends towards each view, of each spherical harmonic of the light on it.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "formats/json.h"
+#include "formats/radiance_transfer_texture.h"
+#include "patch/patch_geometry.h"
+#include "tools/rtt/light_directions.h"
+
+namespace bakelight::rtt {
+
+struct Options {
+  int resolution = 64;    // texels across; as many down as keeps them square
+  int views = 8;          // a side of the grid of views
+  int supersampling = 2;  // a side, points a texel
+  int order = 5;
+  LightRule light_rule = LightRule::kGaussLegendre;
+  int polar_lights = 8, azimuth_lights = 16;
+  bool shadows = true;
+  bool masking = true;
+};
+
+struct Figures {
+  std::uint64_t surface_triangles = 0, surface_points = 0;
+  std::uint64_t rays = 0;
+  double hole_share = 0;  // of the rays of all views that meet no surface
+  double depth = 0;       // of the surface, in widths of the patch
+  // Share of light that the patch reflects under a uniform sky, over all views by their cosines: what a surface
+  // that carries it gives back to others.
+  formats::Float3 mean_albedo = {};
+};
+
+struct Rtt {
+  formats::RadianceTransferTexture texture;
+  Figures figures;
+};
+
+// `progress` is told of views that are done, views² of them.
+Rtt makeRtt(const patch::PatchGeometry& geometry, const Options& options,
+            const std::function<void()>& progress);
+
+}  // namespace bakelight::rtt

@@ -1,0 +1,115 @@
+#include "tools/rtt/views.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "transport/hemisphere_grid.h"
+
+namespace bakelight::rtt {
+namespace {
+
+using transport::Vec3;
+
+// A row of texels towards one view.
+class RowOfTexels {
+ public:
+  RowOfTexels(const patch::PatchGeometry& geometry, const transport::PeriodicRayScene& scene,
+              const SurfaceLight& light, int supersampling)
+      : geometry_(geometry), scene_(scene), light_(light), supersampling_(supersampling) {}
+
+  ViewFigures render(const Vec3& view, int column, int row, int y,
+                     formats::RadianceTransferTexture& texture) {
+    aim(view, y, texture);
+    hits_ = transport::HitBundle(rays_.size());
+    scene_.nearestHits(rays_, hits_);
+    ViewFigures figures{rays_.size(), 0};
+    const std::size_t samples = static_cast<std::size_t>(supersampling_) * supersampling_;
+    for (int x = 0; x < texture.width; ++x) {
+      const std::span<float> response = texture.response(column, row, x, y);
+      for (std::size_t s = 0; s < samples; ++s) {
+        const std::size_t ray = static_cast<std::size_t>(x) * samples + s;
+        if (hits_.blocked[ray] != 0)
+          add(ray, response);
+        else
+          ++figures.through;
+      }
+      for (float& value : response) value /= static_cast<float>(samples);
+    }
+    return figures;
+  }
+
+ private:
+  void aim(const Vec3& view, int y, const formats::RadianceTransferTexture& texture) {
+    rays_.clear();
+    const double size = std::max({geometry_.period_x, geometry_.period_y, scene_.highest()});
+    const double start = (scene_.highest() + 1e-3 * size) / view.z();
+    const double across = 1.0 / (texture.width * supersampling_);
+    const double down = geometry_.aspect / (texture.height * supersampling_);
+    for (int x = 0; x < texture.width; ++x)
+      for (int j = 0; j < supersampling_; ++j)
+        for (int i = 0; i < supersampling_; ++i) {
+          const Vec3 point((x * supersampling_ + i + 0.5) * across,
+                           geometry_.aspect - (y * supersampling_ + j + 0.5) * down, 0);
+          rays_.push(wrapped(point + start * view), -view);
+        }
+  }
+
+  // In double: far origins would lose what tells neighbors apart.
+  Vec3 wrapped(const Vec3& point) const {
+    return {point.x() - geometry_.period_x * std::floor(point.x() / geometry_.period_x),
+            point.y() - geometry_.period_y * std::floor(point.y() / geometry_.period_y), point.z()};
+  }
+
+  void add(std::size_t ray, std::span<float> response) const {
+    const std::uint32_t triangle = hits_.triangle[ray];
+    const float u = hits_.u[ray], v = hits_.v[ray];
+    const formats::Float3 albedo = geometry_.albedoAt(triangle, u, v);
+    const std::array<float, 3> weights = {1 - u - v, u, v};
+    const std::uint32_t side =
+        hits_.back_face[ray] != 0 ? static_cast<std::uint32_t>(geometry_.mesh.vertexCount()) : 0U;
+    const std::size_t count = light_.coefficients;
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const float* row = light_.row(geometry_.mesh.triangles[triangle][corner] + side);
+      if (row == nullptr) continue;
+      for (std::size_t channel = 0; channel < 3; ++channel) {
+        const float weight = weights[corner] * albedo[channel];
+        const float* from = row + (light_.channels == 3 ? channel * count : 0);
+        float* to = &response[channel * count];
+        for (std::size_t i = 0; i < count; ++i) to[i] += weight * from[i];
+      }
+    }
+  }
+
+  const patch::PatchGeometry& geometry_;
+  const transport::PeriodicRayScene& scene_;
+  const SurfaceLight& light_;
+  int supersampling_;
+  transport::FreeRays rays_;
+  transport::HitBundle hits_;
+};
+
+}  // namespace
+
+ViewFigures renderViews(const patch::PatchGeometry& geometry, const transport::PeriodicRayScene& scene,
+                        const SurfaceLight& light, int supersampling, bool masking,
+                        const std::function<void()>& progress, formats::RadianceTransferTexture& texture) {
+  texture.allocate();
+  const auto rows = static_cast<std::size_t>(texture.height);
+  std::vector<ViewFigures> parts(texture.viewCount() * rows);
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+    const int view = static_cast<int>(part / rows), y = static_cast<int>(part % rows);
+    const int column = view % texture.views, row = view / texture.views;
+    const Vec3 towards = masking ? transport::hemisphereCell(texture.views, column, row) : Vec3(0, 0, 1);
+    parts[part] = RowOfTexels(geometry, scene, light, supersampling).render(towards, column, row, y, texture);
+    if (y == 0) progress();
+  });
+  ViewFigures figures;
+  for (const ViewFigures& part : parts) figures.rays += part.rays, figures.through += part.through;
+  return figures;
+}
+
+}  // namespace bakelight::rtt

@@ -1,0 +1,56 @@
+// Nearest hits and visibility against a mesh that repeats along x and y without end; Embree behind it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "formats/triangle_mesh.h"
+#include "transport/ray_scene.h"
+#include "transport/vector_types.h"
+
+namespace bakelight::transport {
+
+// Rays with origins of their own, as a structure of arrays. They are traced in packets of
+// RayScene::kPacketWidth neighbors, which should be alike.
+struct FreeRays {
+  std::vector<float> x, y, z;                                // origins
+  std::vector<float> direction_x, direction_y, direction_z;  // unit
+
+  void clear();
+  void push(const Vec3& origin, const Vec3& direction);
+  std::size_t size() const { return x.size(); }
+};
+
+class PeriodicRayScene {
+ public:
+  struct Period {
+    double x = 1, y = 1;  // positive
+  };
+
+  // `mesh` is one period of the surface, wherever its parts lie: every triangle is there at all sums of
+  // multiples of the two periods. Copies that reach into a margin about the first cell are held as triangles;
+  // rays go on from cell to cell beyond it. Throws as RayScene does.
+  PeriodicRayScene(const formats::TriangleMesh& mesh, const Period& period);
+  ~PeriodicRayScene();
+  PeriodicRayScene(const PeriodicRayScene&) = delete;
+  PeriodicRayScene& operator=(const PeriodicRayScene&) = delete;
+
+  // Nearest hits of all rays; `hits` holds as many. Triangles are those of the mesh; distances are from the
+  // origins. A ray that neither meets anything nor leaves the surface's range of heights within some thousand
+  // cells has no hit. Thread-safe.
+  void nearestHits(const FreeRays& rays, HitBundle& hits) const;
+  // blocked[i] = 1 if ray i meets anything. Thread-safe.
+  void occluded(const FreeRays& rays, std::span<std::uint8_t> blocked) const;
+
+  double lowest() const;  // z of the mesh
+  double highest() const;
+  std::size_t heldTriangles() const;  // with the copies
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace bakelight::transport
