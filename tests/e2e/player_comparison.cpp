@@ -9,6 +9,7 @@
 #include "formats/image.h"
 #include "formats/light_rig_file.h"
 #include "formats/pack.h"
+#include "formats/rtt_reflection.h"
 #include "tests/e2e/silhouette.h"
 #include "tests/support/pack_parts.h"
 #include "transport/cpu_renderer.h"
@@ -85,8 +86,9 @@ void append(formats::TriangleMesh& mesh, const formats::TriangleMesh& other) {
   for (const auto& [a, b, c] : other.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
 }
 
+// `shift` moves hits within their triangles.
 CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& lighting,
-                          const formats::FrameSettings& settings) {
+                          const formats::FrameSettings& settings, float shift) {
   const auto bounds = transport::boundingSphere(pack.mesh);
   const auto camera = transport::frameCamera(settings, bounds);
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(settings);
@@ -118,6 +120,8 @@ CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& 
     for (std::size_t i = 0; i < hits.size(); ++i) {
       transport::SurfaceHit hit = hits[i];
       if (hit.triangle < object_triangles) {
+        hit.u += shift;
+        hit.v += shift;
         shading->radianceAt({&hit, 1}, radiance.subspan(i, 1));
       } else {
         hit.triangle -= object_triangles;
@@ -158,6 +162,24 @@ int largestCodeDifference(const float* a, const float* b) {
   return largest;
 }
 
+// Where the last digits of a position decide which texel of a texture is seen, which is never filtered: there the picture
+// changes when hits move by a hair.
+std::vector<bool> pixelsOnTexelEdges(const formats::Pack& pack, const transport::Lighting& lighting,
+                                     const formats::FrameSettings& settings, const formats::Image& display) {
+  std::vector<bool> result(static_cast<std::size_t>(display.width) * display.height, false);
+  const auto isTextured = [](const formats::Appearance& appearance) {
+    return appearance.reflection.as<formats::RttReflection>() != nullptr;
+  };
+  if (std::none_of(pack.appearances.begin(), pack.appearances.end(), isTextured)) return result;
+  constexpr float kHair = 5e-4F;  // of a triangle
+  for (const float shift : {-kHair, kHair}) {
+    const formats::Image moved = renderFrameOnCpu(pack, lighting, settings, shift).display;
+    for (std::size_t i = 0; i < result.size(); ++i)
+      if (largestCodeDifference(&moved.values[4 * i], &display.values[4 * i]) > 1) result[i] = true;
+  }
+  return result;
+}
+
 }  // namespace
 
 std::string PlayerComparison::summary() const {
@@ -166,7 +188,7 @@ std::string PlayerComparison::summary() const {
          " pixels differ; compared " + std::to_string(object_pixels) + " object, " +
          std::to_string(emitter_pixels) + " emitter and " + std::to_string(backdrop_pixels) +
          " backdrop pixels of " + std::to_string(pixels) + ", left out " + std::to_string(silhouette_pixels) +
-         " silhouette pixels";
+         " silhouette pixels and " + std::to_string(texel_edge_pixels) + " on edges of texels";
 }
 
 PlayerComparison comparePlayerWithCpu(const fs::path& player_executable, const fs::path& pack_path,
@@ -181,7 +203,8 @@ PlayerComparison comparePlayerWithCpu(const fs::path& player_executable, const f
       transport::lightingFor(formats::readLights(lights.environment_path, lights.rig_path, lights.windowing),
                              pack.sh().order, lights.rig_path.string());
   lighting.cube_resolution = lights.cube_resolution;
-  const CpuFrame cpu = renderFrameOnCpu(pack, lighting, settings);
+  const CpuFrame cpu = renderFrameOnCpu(pack, lighting, settings, 0);
+  const std::vector<bool> on_edges = pixelsOnTexelEdges(pack, lighting, settings, cpu.display);
   formats::writePng(folder / "cpu.png", cpu.display);
   if (played.width != cpu.display.width || played.height != cpu.display.height || played.channelCount() != 4)
     throw std::runtime_error(picture_path.string() + " has another size than was asked for");
@@ -194,6 +217,10 @@ PlayerComparison comparePlayerWithCpu(const fs::path& player_executable, const f
       const std::size_t pixel = static_cast<std::size_t>(y) * played.width + x;
       if (cpu.silhouette[pixel]) {
         ++result.silhouette_pixels;
+        continue;
+      }
+      if (on_edges[pixel]) {
+        ++result.texel_edge_pixels;
         continue;
       }
       ++countOf(cpu.seen[pixel], result);

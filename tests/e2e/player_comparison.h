@@ -16,9 +16,11 @@ struct PlayerComparison {
   std::size_t emitter_pixels = 0;     // compared, and see an emitter
   std::size_t backdrop_pixels = 0;    // compared, and see none of it
   std::size_t silhouette_pixels = 0;  // left out
-  int allowed_difference = 1;         // display codes: 1, or 2 for a glossy pack
-  int largest_difference = 0;         // display codes, over all channels of the compared pixels
-  std::size_t differing_pixels = 0;   // by one code or more
+  // Left out, too: those of textures that are looked up and not filtered, where rounding decides.
+  std::size_t texel_edge_pixels = 0;
+  int allowed_difference = 1;        // display codes: 1, or 2 for a glossy pack
+  int largest_difference = 0;        // display codes, over all channels of the compared pixels
+  std::size_t differing_pixels = 0;  // by one code or more
   int worst_x = 0, worst_y = 0;
 
   // Every compared channel within the allowed codes, at most a twentieth of the pixels off (rounding; more

@@ -9,7 +9,9 @@
 #include "formats/image.h"
 #include "formats/pack.h"
 #include "tests/e2e/made_packs.h"
+#include "tests/support/made_rtt.h"
 #include "transport/lights.h"
+#include "transport/texture_frames.h"
 
 namespace bakelight::tests {
 namespace {
@@ -66,6 +68,30 @@ class PlayerAgainstCpu : public testing::Test {
 };
 
 constexpr formats::FrameSettings kSmall = {.width_px = 320, .height_px = 240};
+
+// Radiance transfer textures by texture coordinates and by an index, of few components and of so many that they take several
+// draws; large, and so small that levels of the pyramid are blended.
+TEST_F(PlayerAgainstCpu, RadianceTransferTextures) {
+  for (const formats::Storage storage : {formats::Storage::kMatrix, formats::Storage::kVisibility})
+    for (const int components : {3, 21}) {
+      SCOPED_TRACE(components);
+      formats::Pack pack = wavyPack(3, 24);
+      addGlossyTransfer(pack, 3, storage);
+      addSphericalTexcoords(pack.mesh);
+      // Those of made transfer turn and change hands from vertex to vertex, which no patch lies along.
+      pack.sh().glossy->tangents = transport::textureFrames(pack.mesh).tangents;
+      for (formats::Float4& tangent : pack.sh().glossy->tangents) tangent[3] = 1;  // at the seam, too
+      formats::RttReflection rtt = madeRtt(3, 4, 8, 6, components);
+      rtt.repeats = 3;
+      if (components > 16) rtt.index = madeIndex(64, 32);
+      formats::reflectionOf(pack) = rtt;
+      const PlayerComparison near = compare(pack, kSmall, sky());
+      EXPECT_LT(near.texel_edge_pixels * 5, near.object_pixels);
+      rtt.patch_width = 0.01F;  // a pixel covers several texels
+      formats::reflectionOf(pack) = rtt;
+      compare(pack, kSmall, sky());
+    }
+}
 
 TEST_F(PlayerAgainstCpu, DefaultFrame) {
   compare(wavyPack(5, 96), {}, sky());
