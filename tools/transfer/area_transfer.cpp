@@ -29,11 +29,12 @@ class RowSum {
   std::vector<double> sum_;
 };
 
-std::vector<SeenVertex> meanOf(std::vector<SeenVertex> seen, std::size_t count) {
-  std::stable_sort(seen.begin(), seen.end(),
-                   [](const SeenVertex& a, const SeenVertex& b) { return a.side < b.side; });
-  std::vector<SeenVertex> mean;
-  for (const SeenVertex& each : seen) {
+std::vector<transport::SeenVertex> meanOf(std::vector<transport::SeenVertex> seen, std::size_t count) {
+  std::stable_sort(
+      seen.begin(), seen.end(),
+      [](const transport::SeenVertex& a, const transport::SeenVertex& b) { return a.side < b.side; });
+  std::vector<transport::SeenVertex> mean;
+  for (const transport::SeenVertex& each : seen) {
     if (mean.empty() || mean.back().side != each.side) mean.push_back({each.side, 0});
     mean.back().weight += each.weight / static_cast<float>(count);
   }
@@ -47,7 +48,7 @@ AreaTransfer traceArea(const ShadowPass& pass, std::span<const SurfacePoint> poi
                        ShadowPass::Workspace& work) {
   AreaTransfer area;
   RowSum vector(sizes.vector), near_vector(sizes.near_vector), visibility(sizes.visibility);
-  std::vector<SeenVertex> seen;
+  std::vector<transport::SeenVertex> seen;
   for (const SurfacePoint& point : points) {
     TracedPoint traced =
         pass.trace(point, sides_from_behind, {vector.row(), near_vector.row(), visibility.row()}, work);
@@ -70,7 +71,8 @@ AreaTransfer traceArea(const ShadowPass& pass, std::span<const SurfacePoint> poi
 Resampling resampleOutliers(const formats::TriangleMesh& mesh, const ShadowPass& pass,
                             std::span<const formats::Triangle> sides_from_behind,
                             std::span<const std::uint8_t> buried, float offset, double share,
-                            const TransferRows& rows, FormFactors& seen, const LocalWorkspace& workspace) {
+                            const TransferRows& rows, transport::FormFactors& seen,
+                            const LocalWorkspace& workspace) {
   const IncidentTriangles incident(mesh);
   const OutlierJudge judge(mesh, incident, rows.vectors, rows.sizes.vector, buried);
   std::vector<std::uint32_t> outliers = judge.outliers();

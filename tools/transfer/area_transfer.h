@@ -23,7 +23,7 @@ struct AreaTransfer {
   std::vector<std::vector<bool>> blocked_rays;  // of each, as in PointFigures
   std::vector<float> vector, near_vector, visibility;
   std::vector<float> vectors;  // of each
-  std::vector<SeenVertex> seen;
+  std::vector<transport::SeenVertex> seen;
 };
 
 // Empty if there is no point, or if all are buried.
@@ -61,6 +61,7 @@ struct Resampling {
 Resampling resampleOutliers(const formats::TriangleMesh& mesh, const ShadowPass& pass,
                             std::span<const formats::Triangle> sides_from_behind,
                             std::span<const std::uint8_t> buried, float offset, double share,
-                            const TransferRows& rows, FormFactors& seen, const LocalWorkspace& workspace);
+                            const TransferRows& rows, transport::FormFactors& seen,
+                            const LocalWorkspace& workspace);
 
 }  // namespace bakelight::transfer

@@ -27,7 +27,8 @@ void MatrixBaker::turnRows(const Eigen::Matrix3d& local_from_object, std::span<f
 }
 
 void addBouncedLight(const ShadowPass& pass, const SurfacePoint& point, const std::vector<bool>& blocked_rays,
-                     const TransferField& exit, std::span<const formats::Triangle> sides_from_behind,
+                     const transport::TransferField& exit,
+                     std::span<const formats::Triangle> sides_from_behind,
                      std::span<const std::uint32_t> row_of_side, int channels, int row_order, int order,
                      double share, ShadowPass::Workspace& work, std::span<float> matrices) {
   const int rows = transport::coefficientCount(row_order), columns = transport::coefficientCount(order);

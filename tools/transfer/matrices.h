@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "tools/transfer/interreflection.h"
 #include "tools/transfer/shadow_pass.h"
+#include "transport/interreflection.h"
 #include "transport/triple_product.h"
 
 namespace bakelight::transfer {
@@ -35,7 +35,8 @@ class MatrixBaker {
 // Times `share`, of points that share a vertex. Object frame; `matrices` is channels × row_order² × order².
 // Cost: hits × row_order² × channels × order² multiply-adds, beside the rays.
 void addBouncedLight(const ShadowPass& pass, const SurfacePoint& point, const std::vector<bool>& blocked_rays,
-                     const TransferField& exit, std::span<const formats::Triangle> sides_from_behind,
+                     const transport::TransferField& exit,
+                     std::span<const formats::Triangle> sides_from_behind,
                      std::span<const std::uint32_t> row_of_side, int channels, int row_order, int order,
                      double share, ShadowPass::Workspace& work, std::span<float> matrices);
 

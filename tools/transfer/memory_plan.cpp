@@ -53,9 +53,9 @@ std::size_t solvingBytes(const BakeSetup& setup, std::size_t points, std::size_t
 }
 
 // What evenly spread points see.
-std::vector<std::vector<SeenVertex>> pilotRows(const BakeSetup& setup) {
+std::vector<std::vector<transport::SeenVertex>> pilotRows(const BakeSetup& setup) {
   const std::size_t vertices = setup.vertexCount();
-  std::vector<std::vector<SeenVertex>> rows(
+  std::vector<std::vector<transport::SeenVertex>> rows(
       std::clamp(vertices / kPointsPerPilot, std::size_t{1}, kMostPilots));
   tbb::enumerable_thread_specific<ShadowPass::Workspace> workspaces(
       [&] { return ShadowPass::Workspace(*setup.pass); });
@@ -71,14 +71,15 @@ std::vector<std::vector<SeenVertex>> pilotRows(const BakeSetup& setup) {
   return rows;
 }
 
-double meanShares(std::span<const std::vector<SeenVertex>> rows, float threshold) {
+double meanShares(std::span<const std::vector<transport::SeenVertex>> rows, float threshold) {
   std::size_t count = 0;
-  for (const auto& row : rows) count += threshold > 0 ? countPutTogether(row, threshold) : row.size();
+  for (const auto& row : rows)
+    count += threshold > 0 ? transport::countPutTogether(row, threshold) : row.size();
   return static_cast<double>(count) / static_cast<double>(rows.size());
 }
 
 // The least threshold that leaves at most `shares` a point.
-float thresholdFor(std::span<const std::vector<SeenVertex>> rows, double shares) {
+float thresholdFor(std::span<const std::vector<transport::SeenVertex>> rows, double shares) {
   float low = 1e-9F, high = 1;
   for (int step = 0; step < 40; ++step) {
     const float middle = std::sqrt(low * high);
@@ -94,7 +95,7 @@ std::size_t defaultMemory(std::size_t vertices) {
 }
 
 std::size_t fieldBytes(std::size_t points, std::size_t columns) {
-  return points * paddedToTiles(columns) * sizeof(float);
+  return points * transport::paddedToTiles(columns) * sizeof(float);
 }
 
 std::size_t roomForFields(const BakeSetup& setup, std::size_t points, std::size_t share_bytes) {
@@ -120,7 +121,7 @@ MemoryPlan planMemory(const BakeSetup& setup) {
   const auto bytesPerPoint = [&](std::size_t at_once) {
     return plan.limit > beside(at_once) ? static_cast<double>(plan.limit - beside(at_once)) / count : 0.0;
   };
-  ShareStorage& storage = plan.shares;
+  transport::ShareStorage& storage = plan.shares;
   const auto fit = [&](double shares, std::size_t at_once) {
     return shares * static_cast<double>(storage.bytesPerShare()) <= bytesPerPoint(at_once);
   };

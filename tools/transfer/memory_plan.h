@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "tools/transfer/form_factors.h"
+#include "transport/form_factors.h"
 
 namespace bakelight::transfer {
 
@@ -12,7 +12,7 @@ struct BakeSetup;
 
 struct MemoryPlan {
   std::size_t limit = 0;  // bytes of the whole bake, without matrices
-  ShareStorage shares;
+  transport::ShareStorage shares;
   std::size_t expected = 0;  // bytes at the peak; more than the limit where nothing smaller is possible
 };
 

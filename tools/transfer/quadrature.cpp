@@ -7,39 +7,14 @@
 #include <numbers>
 
 #include "transport/directions.h"
+#include "transport/multiversioned.h"
 #include "transport/sh.h"
 
 namespace bakelight::transfer {
 
 using transport::Vec3;
 
-// Sanitizers are not ready yet when the loader chooses among the clones.
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define BAKELIGHT_MULTIVERSIONED __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define BAKELIGHT_MULTIVERSIONED
-#endif
-
 namespace {
-
-// One tile of coefficients at a time, so that its sums stay in registers.
-BAKELIGHT_MULTIVERSIONED void accumulateTiles(const float* table, std::size_t row_size, std::size_t used,
-                                              const std::uint32_t* chosen, const float* weights,
-                                              std::size_t count, double* sums) {
-  constexpr std::size_t kBlock = 128;
-  for (std::size_t first = 0; first < count; first += kBlock) {
-    const std::size_t end = std::min(first + kBlock, count);
-    for (std::size_t tile = 0; tile < used; tile += kTile) {
-      std::array<float, kTile> partial{};
-      for (std::size_t k = first; k < end; ++k) {
-        const float* row = table + chosen[k] * row_size + tile;
-        const float weight = weights[k];
-        for (std::size_t i = 0; i < kTile; ++i) partial[i] += weight * row[i];
-      }
-      for (std::size_t i = 0; i < kTile; ++i) sums[tile + i] += partial[i];
-    }
-  }
-}
 
 // Every direction is written and the end moves on only past those above, as the branch would be mispredicted
 // too often.
@@ -63,13 +38,8 @@ BAKELIGHT_MULTIVERSIONED std::size_t collectAbove(const transport::RayBundle& di
 
 }  // namespace
 
-void accumulateRows(const float* table, std::size_t row_size, std::span<const std::uint32_t> chosen,
-                    std::span<const float> weights, std::span<double> sums) {
-  accumulateTiles(table, row_size, row_size, chosen.data(), weights.data(), chosen.size(), sums.data());
-}
-
 Quadrature::Quadrature(int order, int count)
-    : row_size_(paddedToTiles(transport::coefficientCount(order))),
+    : row_size_(transport::paddedToTiles(transport::coefficientCount(order))),
       directions_(count),
       basis_(count * row_size_, 0.0f),
       weight_(4 * std::numbers::pi / count) {
@@ -85,8 +55,8 @@ Quadrature::Quadrature(int order, int count)
 
 void Quadrature::accumulate(std::span<const std::uint32_t> chosen, std::span<const float> weights,
                             std::size_t coefficients, std::span<double> sums) const {
-  accumulateTiles(basis_.data(), row_size_, paddedToTiles(coefficients), chosen.data(), weights.data(),
-                  chosen.size(), sums.data());
+  transport::accumulateRows(basis_.data(), row_size_, chosen, weights,
+                            sums.first(transport::paddedToTiles(coefficients)));
 }
 
 void Hemisphere::collect(const Quadrature& quadrature, const Float3& normal) {

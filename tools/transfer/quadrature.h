@@ -1,7 +1,7 @@
 // The directions that every point of a bake shares, with the basis tabulated, and the sums over them.
 //
-// The kernels are compiled for several instruction sets. They never sum across lanes and never fuse a
-// multiplication with an addition, so each of them gives the same bits.
+// What picks directions is compiled for several instruction sets, without fused multiply-adds, so each of them gives
+// the same bits.
 #pragma once
 
 #include <cstdint>
@@ -9,19 +9,11 @@
 #include <vector>
 
 #include "transport/ray_scene.h"
+#include "transport/row_sums.h"
 
 namespace bakelight::transfer {
 
 using formats::Float3;
-
-// sums[i] += Σ_k weights[k] · table[chosen[k] · row_size + i] for i < row_size, which is a multiple of kTile.
-// Float sums of 128 rows go into doubles, so that the error does not grow with the number of rows.
-inline constexpr std::size_t kTile = 32;
-constexpr std::size_t paddedToTiles(std::size_t count) {
-  return (count + kTile - 1) / kTile * kTile;
-}
-void accumulateRows(const float* table, std::size_t row_size, std::span<const std::uint32_t> chosen,
-                    std::span<const float> weights, std::span<double> sums);
 
 // One fixed set of directions of equal weight over the sphere.
 class Quadrature {

@@ -170,8 +170,8 @@ void ShadowPass::combineVisibility(const SurfacePoint& point, std::span<float> v
 // Cosine-weighted shares of the hemisphere, normalised over the directions that were traced. Each blocked one
 // has a hit, so blocked and visible share add up to one: bounces make no light, and lose only what meets the
 // dark inside of a body.
-std::vector<SeenVertex> ShadowPass::collectSeen(std::span<const formats::Triangle> sides_from_behind,
-                                                Workspace& work, PointFigures& figures) const {
+std::vector<transport::SeenVertex> ShadowPass::collectSeen(
+    std::span<const formats::Triangle> sides_from_behind, Workspace& work, PointFigures& figures) const {
   const std::span<const float> traced =
       work.sees_light ? work.hemisphere.usedCosines() : std::span<const float>(work.blocked_cosines);
   double cosine_sum = 0;

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "formats/triangle_mesh.h"
-#include "tools/transfer/form_factors.h"
 #include "tools/transfer/near_field.h"
 #include "tools/transfer/quadrature.h"
 #include "tools/transfer/surface_points.h"
+#include "transport/form_factors.h"
 #include "transport/ray_scene.h"
 
 namespace bakelight::transfer {
@@ -31,8 +31,8 @@ struct PointFigures {
 };
 // The lists are filled where the options ask for them.
 struct TracedPoint : PointFigures {
-  std::vector<SeenVertex> seen;    // sorted by side; the weights add up to the blocked share
-  std::vector<bool> blocked_rays;  // of the hemisphere's directions, in their order
+  std::vector<transport::SeenVertex> seen;  // sorted by side; the weights add up to the blocked share
+  std::vector<bool> blocked_rays;           // of the hemisphere's directions, in their order
 };
 struct PointTransfer {
   std::span<float> vector;  // as many bands as it has room for, at most the options' or kJudgedOrder
@@ -66,8 +66,8 @@ class ShadowPass {
   void combine(const SurfacePoint& point, const PointTransfer& result, Workspace& work,
                PointFigures& figures) const;
   void combineVisibility(const SurfacePoint& point, std::span<float> visibility, Workspace& work) const;
-  std::vector<SeenVertex> collectSeen(std::span<const formats::Triangle> sides_from_behind, Workspace& work,
-                                      PointFigures& figures) const;
+  std::vector<transport::SeenVertex> collectSeen(std::span<const formats::Triangle> sides_from_behind,
+                                                 Workspace& work, PointFigures& figures) const;
 
   const formats::TriangleMesh& mesh_;
   const transport::RayScene& scene_;
@@ -89,7 +89,7 @@ struct ShadowPass::Workspace {
   std::vector<std::uint32_t> blocked_directions, visible_directions;
   std::vector<float> blocked_cosines, visible_cosines, ones;
   std::vector<double> all_sums, blocked_sums;
-  SeenSums seen;  // empty between points
+  transport::SeenSums seen;  // empty between points
 };
 
 // Two queries of the ray tracer may differ about a ray that grazes an edge: one says that it is blocked, the

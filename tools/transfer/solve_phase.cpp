@@ -93,7 +93,7 @@ BouncePoints addSeenBacks(const BakeSetup& setup, TracedPoints& points) {
 class BlockSolver {
  public:
   BlockSolver(const BakeSetup& setup, const TracedPoints& points, const BouncePoints& bounce,
-              const BuriedFill& fill, Transfer& result)
+              const transport::BuriedFill& fill, Transfer& result)
       : setup_(setup),
         points_(points),
         bounce_(bounce),
@@ -103,9 +103,9 @@ class BlockSolver {
         blocks_((setup.sphere ? 2 : 1) * channels_) {}
 
   // Exit radiance of distant light, if it is wanted.
-  std::optional<TransferField> solve(bool exit_wanted) {
+  std::optional<transport::TransferField> solve(bool exit_wanted) {
     const std::size_t rows = points_.figures.size();
-    std::optional<TransferField> exit;
+    std::optional<transport::TransferField> exit;
     if (exit_wanted) exit.emplace(rows, channels_ * setup_.coefficients);
     const std::size_t room = roomForFields(setup_, rows, points_.seen.bytes());
     const std::size_t at_once = blocksAtOnce(rows, room);
@@ -125,23 +125,24 @@ class BlockSolver {
     return 1;
   }
 
-  void solveBlocks(std::size_t first, std::size_t end, std::size_t room, std::optional<TransferField>& exit) {
+  void solveBlocks(std::size_t first, std::size_t end, std::size_t room,
+                   std::optional<transport::TransferField>& exit) {
     const std::size_t size = setup_.coefficients;
     std::vector<std::uint8_t> channel_of_column;
     for (std::size_t column = first * size; column < end * size; ++column)
       channel_of_column.push_back(static_cast<std::uint8_t>(column / size % channels_));
-    TransferField field(points_.figures.size(), channel_of_column.size());
-    InterreflectionOptions options = setup_.options.interreflection;
+    transport::TransferField field(points_.figures.size(), channel_of_column.size());
+    transport::InterreflectionOptions options = setup_.options.interreflection;
     options.field_bytes = room;
-    const InterreflectionReport report = solveInterreflection(
+    const transport::InterreflectionReport report = transport::solveInterreflection(
         points_.seen, bounce_.albedo, channel_of_column, fill_, options,
-        [&](TransferField& direct) { putDirect(first, end, direct); }, field);
+        [&](transport::TransferField& direct) { putDirect(first, end, direct); }, field);
     result_.interreflection = first == 0 ? report : together(result_.interreflection, report);
     for (std::size_t block = first; block < end; ++block)
       takeBlock(field, block, (block - first) * size, exit);
   }
 
-  void putDirect(std::size_t first, std::size_t end, TransferField& field) const {
+  void putDirect(std::size_t first, std::size_t end, transport::TransferField& field) const {
     const std::size_t size = setup_.coefficients;
     for (std::size_t p = 0; p < field.pointCount(); ++p) {
       const auto row = field.row(p);
@@ -157,8 +158,8 @@ class BlockSolver {
     }
   }
 
-  void takeBlock(const TransferField& field, std::size_t block, std::size_t column,
-                 std::optional<TransferField>& exit) {
+  void takeBlock(const transport::TransferField& field, std::size_t block, std::size_t column,
+                 std::optional<transport::TransferField>& exit) {
     const std::size_t size = setup_.coefficients, channel = block % channels_, width = channels_ * size;
     std::vector<float>& table = block < channels_ ? result_.vectors : result_.near_vectors;
     table.resize(setup_.vertexCount() * width);
@@ -173,17 +174,18 @@ class BlockSolver {
   const BakeSetup& setup_;
   const TracedPoints& points_;
   const BouncePoints& bounce_;
-  const BuriedFill& fill_;
+  const transport::BuriedFill& fill_;
   Transfer& result_;
   std::size_t channels_, blocks_;
 };
 
 struct BouncedLight {
   BouncePoints points;
-  std::optional<TransferField> exit;  // for matrices
+  std::optional<transport::TransferField> exit;  // for matrices
 };
 
-BouncedLight bounce(BakeSetup& setup, TracedPoints& points, const BuriedFill& fill, Transfer& result) {
+BouncedLight bounce(BakeSetup& setup, TracedPoints& points, const transport::BuriedFill& fill,
+                    Transfer& result) {
   const Stopwatch watch;
   BouncedLight bounced{addSeenBacks(setup, points), std::nullopt};
   points.seen.renumber(bounced.points.row_of_side);
@@ -197,7 +199,7 @@ BouncedLight bounce(BakeSetup& setup, TracedPoints& points, const BuriedFill& fi
   }
   BlockSolver solver(setup, points, bounced.points, fill, result);
   bounced.exit = solver.solve(setup.needsMatrices());
-  points.seen = FormFactors();
+  points.seen = transport::FormFactors();
   result.interreflection_s = watch.seconds();
   return bounced;
 }
@@ -215,7 +217,7 @@ class MatrixPhase {
         workspaces_(workspacesOf(setup)),
         channels_(static_cast<std::size_t>(setup.channels)) {}
 
-  std::vector<float> bake(const BuriedFill& fill, std::span<const formats::Float4> tangents) {
+  std::vector<float> bake(const transport::BuriedFill& fill, std::span<const formats::Float4> tangents) {
     const std::size_t width = channels_ * setup_.matrixSize();
     std::vector<float> matrices(setup_.vertexCount() * width);
     tbb::parallel_for(std::size_t{0}, setup_.vertexCount(), [&](std::size_t v) {
@@ -275,7 +277,7 @@ Transfer solve(BakeSetup setup, TracedPoints points) {
   const AreaTransfers areas = resample(setup, buried, points, result);
   result.shadow_s = watch.seconds();
   dropJudgedBands(setup.coefficients, points);
-  const BuriedFill fill(setup.mesh, buried);
+  const transport::BuriedFill fill(setup.mesh, buried);
   result.filled_vertices = fill.filledVertices();
 
   BouncedLight bounced;

@@ -25,18 +25,18 @@ TracedPoints tracePoints(const BakeSetup& setup, std::span<const SurfacePoint> p
   traced.near_vectors.resize(points.size() * sizes.near_vector);
   traced.visibility.resize(points.size() * sizes.visibility);
   traced.figures.resize(points.size());
-  traced.seen = FormFactors(setup.memory.shares);
+  traced.seen = transport::FormFactors(setup.memory.shares);
   if (keep_blocked) traced.blocked_rays.resize(points.size());
 
   const std::size_t block_count = (points.size() + kPointsPerBlock - 1) / kPointsPerBlock;
-  std::vector<FormFactors::Block> blocks(setup.interreflected() ? block_count : 0);
+  std::vector<transport::FormFactors::Block> blocks(setup.interreflected() ? block_count : 0);
   const TransferRows rows = traced.rows();
   tbb::enumerable_thread_specific<ShadowPass::Workspace> workspaces(
       [&] { return ShadowPass::Workspace(pass); });
   tbb::parallel_for(std::size_t{0}, block_count, [&](std::size_t block) {
     ShadowPass::Workspace& work = workspaces.local();
     const std::size_t first = block * kPointsPerBlock, end = std::min(first + kPointsPerBlock, points.size());
-    std::vector<std::vector<SeenVertex>> seen;
+    std::vector<std::vector<transport::SeenVertex>> seen;
     for (std::size_t p = first; p < end; ++p) {
       TracedPoint point = pass.trace(points[p], setup.sides_from_behind, rows.of(p), work);
       traced.figures[p] = point;
@@ -46,7 +46,7 @@ TracedPoints tracePoints(const BakeSetup& setup, std::span<const SurfacePoint> p
     if (!blocks.empty()) blocks[block] = traced.seen.packed(seen);
     if (progress != nullptr) progress->advance(end - first);
   });
-  for (FormFactors::Block& block : blocks) traced.seen.append(std::move(block));
+  for (transport::FormFactors::Block& block : blocks) traced.seen.append(std::move(block));
   return traced;
 }
 

@@ -22,7 +22,7 @@ struct TracedPoints {
   std::vector<PointFigures> figures;
   // Interreflected only: the form factors, as sides of vertices. The same query tells them and what a vector
   // lets pass of rays that graze an edge, so both are found at once.
-  FormFactors seen;
+  transport::FormFactors seen;
   std::vector<std::vector<bool>> blocked_rays;  // interreflected matrices only
 
   TransferRows rows() { return {vectors, near_vectors, visibility, sizes}; }

@@ -8,8 +8,8 @@
 
 #include "formats/triangle_mesh.h"
 #include "tools/stage/progress.h"
-#include "tools/transfer/interreflection.h"
 #include "tools/transfer/near_field.h"
+#include "transport/interreflection.h"
 
 namespace bakelight::transfer {
 
@@ -33,7 +33,7 @@ struct TransferOptions {
   // roundings of the coordinates are kept whatever it says.
   double bias = 1e-4;
 
-  InterreflectionOptions interreflection = {};
+  transport::InterreflectionOptions interreflection = {};
   Glossy glossy = Glossy::kNone;
   int row_order = 5;  // SH bands of transferred radiance, 1–10
   // Of the local frames, one a vertex; empty: any tangents (vertexTangents).
@@ -75,7 +75,7 @@ struct Transfer {
   // of what is not blocked.
   double quadrature_error = 0;
 
-  InterreflectionReport interreflection;
+  transport::InterreflectionReport interreflection;
   std::uint64_t back_points = 0;   // back sides of vertices whose bounced light was needed
   std::uint64_t inside_hits = 0;   // rays that met the inside of a closed part: dark
   std::uint64_t form_factors = 0;  // non-zeros

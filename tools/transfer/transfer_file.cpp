@@ -227,7 +227,7 @@ const char* storageName(const Transfer& baked) {
 }
 
 void reportInterreflection(const TransferSettings& settings, const Transfer& baked, stage::Run& run) {
-  const InterreflectionReport& bounced = baked.interreflection;
+  const transport::InterreflectionReport& bounced = baked.interreflection;
   run.stat("interreflection_passes", bounced.added_energy.size());
   run.stat("added_energy_per_pass", bounced.added_energy);
   run.stat("interreflection_solver", bounced.solver);

@@ -1,4 +1,4 @@
-#include "tools/transfer/interreflection.h"
+#include "transport/interreflection.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -206,7 +206,7 @@ TEST(ShadowPass, GrazingRaysPass) {
   for (const SurfacePoint& point : points) {
     const TracedPoint traced = pass.trace(point, sides, {vector, {}, {}}, work);
     double seen = vector[0] * std::sqrt(4 * std::numbers::pi);
-    for (const SeenVertex& vertex : traced.seen) seen += vertex.weight;
+    for (const transport::SeenVertex& vertex : traced.seen) seen += vertex.weight;
     EXPECT_NEAR(seen, 1, 1e-5);
     partly += traced.seen.empty() ? 0 : 1;
     // As if the second query had missed every other ray.

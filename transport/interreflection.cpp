@@ -1,13 +1,13 @@
-#include "tools/transfer/interreflection.h"
+#include "transport/interreflection.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "tools/transfer/quadrature.h"
+#include "transport/row_sums.h"
 
-namespace bakelight::transfer {
+namespace bakelight::transport {
 
 using formats::Float3;
 
@@ -330,4 +330,4 @@ InterreflectionReport solveInterreflection(const FormFactors& factors, std::span
   return report;
 }
 
-}  // namespace bakelight::transfer
+}  // namespace bakelight::transport

@@ -1,4 +1,4 @@
-#include "tools/transfer/form_factors.h"
+#include "transport/form_factors.h"
 
 #include <tbb/parallel_for.h>
 
@@ -8,7 +8,7 @@
 
 #include "transport/random.h"
 
-namespace bakelight::transfer {
+namespace bakelight::transport {
 
 namespace {
 
@@ -222,4 +222,4 @@ std::size_t FormFactors::bytes() const {
   return bytes;
 }
 
-}  // namespace bakelight::transfer
+}  // namespace bakelight::transport

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "formats/triangle_mesh.h"
-#include "tools/transfer/buried.h"
-#include "tools/transfer/form_factors.h"
+#include "transport/buried_fill.h"
+#include "transport/form_factors.h"
 
-namespace bakelight::transfer {
+namespace bakelight::transport {
 
 // A table of transfer, points × row_size; rows padded with zeros to whole tiles (quadrature.h).
 struct TransferField {
@@ -69,4 +69,4 @@ InterreflectionReport solveInterreflection(const FormFactors& factors,
                                            const BuriedFill& fill, const InterreflectionOptions& options,
                                            const DirectLight& direct, TransferField& x);
 
-}  // namespace bakelight::transfer
+}  // namespace bakelight::transport

@@ -1,4 +1,4 @@
-#include "tools/transfer/form_factors.h"
+#include "transport/form_factors.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <numeric>
 #include <random>
 
-namespace bakelight::transfer {
+namespace bakelight::transport {
 namespace {
 
 using testing::ElementsAre;
@@ -148,4 +148,4 @@ TEST(FormFactors, RenumberedByItsTable) {
 }
 
 }  // namespace
-}  // namespace bakelight::transfer
+}  // namespace bakelight::transport

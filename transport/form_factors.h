@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace bakelight::transfer {
+namespace bakelight::transport {
 
 // Weight that falls to one vertex of what a point sees. The back side of vertex v is v + vertex count.
 struct SeenVertex {
@@ -97,4 +97,4 @@ class FormFactors {
   std::vector<std::size_t> first_rows_;
 };
 
-}  // namespace bakelight::transfer
+}  // namespace bakelight::transport
