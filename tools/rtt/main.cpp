@@ -1,7 +1,10 @@
 // rtt: what the patches of materials send towards each view, of each spherical harmonic of the light on them.
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "formats/error.h"
@@ -33,14 +36,43 @@ std::vector<NamedMaterial> withSurfaces(const formats::Materials& materials) {
 
 formats::Json toJson(const std::string& name, const rtt::Rtt& made) {
   const rtt::Figures& figures = made.figures;
-  return {{"material", name},
-          {"width", made.texture.width},
-          {"height", made.texture.height},
-          {"surface_triangles", figures.surface_triangles},
-          {"surface_points", figures.surface_points},
-          {"depth", figures.depth},
-          {"hole_share", figures.hole_share},
-          {"mean_albedo", figures.mean_albedo}};
+  formats::Json json = {{"material", name},
+                        {"width", made.texture.width},
+                        {"height", made.texture.height},
+                        {"surface_triangles", figures.surface_triangles},
+                        {"surface_points", figures.surface_points},
+                        {"depth", figures.depth},
+                        {"hole_share", figures.hole_share},
+                        {"inside_share", figures.inside_share},
+                        {"mean_albedo", figures.mean_albedo}};
+  if (figures.bounced) {
+    json["form_factors"] = figures.form_factors;
+    json["buried_points"] = figures.buried_points;
+    json["bounce_passes"] = figures.bounced->added_energy.size();
+    json["bounce_energy"] = figures.bounced->added_energy;
+    json["bounce_solver"] = figures.bounced->solver;
+    json["bounce_error_bound"] = figures.bounced->error_bound;
+  }
+  return json;
+}
+
+int wholeNumber(double bounces) {
+  if (bounces != std::floor(bounces))
+    throw Error(ExitStatus::kUsage, {"", "--bounces", ""}, "half a bounce does not exist",
+                "a whole number, or all");
+  return static_cast<int>(bounces);
+}
+
+void warnOf(const NamedMaterial& each, const rtt::Figures& figures, stage::Run& run) {
+  constexpr double kSeldom = 1e-3;
+  const formats::Patch& patch = *each.material->patch;
+  const std::string file = (patch.height ? patch.height->file : patch.geometry->file).string();
+  if (figures.inside_share > kSeldom)
+    run.warn(file + ": " + std::to_string(100 * figures.inside_share) +
+             " % of what views meet is the inside of closed parts, and black: are faces turned inside out?");
+  if (figures.bounced && !figures.bounced->converged && figures.bounced->error_bound > 0)
+    run.warn(file + ": light of further bounces is missing, at most " +
+             std::to_string(100 * figures.bounced->error_bound) + " %");
 }
 
 }  // namespace
@@ -48,6 +80,7 @@ formats::Json toJson(const std::string& name, const rtt::Rtt& made) {
 int main(int argc, char** argv) {
   std::filesystem::path material_path, rtt_path;
   rtt::Options options;
+  std::optional<double> bounces;
   stage::Tool tool("rtt",
                    "Renders patches of meso-structure towards all views, for light in spherical harmonics");
   tool.input("material", "material", material_path,
@@ -65,12 +98,19 @@ int main(int argc, char** argv) {
                  "Directions of light from zenith to horizon")
       .parameter("azimuth_lights", options.azimuth_lights, {1, 512}, "",
                  "Directions of light around the zenith")
+      .parameter("bounces", bounces, {{"all", std::nullopt}}, {0, 1000},
+                 "Reflections between diffuse surfaces; all: by a solver")
+      .parameter("bounce_directions", options.bounce_directions, {16, 65536}, "",
+                 "Over the sphere, in which the surface looks for itself")
+      .parameter("element", options.element, {0.05, 100}, "texels",
+                 "Longest edge of the triangles that light is solved on")
       .parameter("shadows", options.shadows, "Light is blocked by the surface")
       .parameter("masking", options.masking,
                  "A view sees along its direction; without, all see what lies straight below")
       .executionPath(transport::RayScene::executionPath);
 
   return tool.run(argc, argv, [&](stage::Run& run) {
+    if (bounces) options.bounces = wholeNumber(*bounces);
     const formats::Materials materials = formats::readMaterials(material_path);
     const std::vector<NamedMaterial> named = withSurfaces(materials);
     if (named.empty())
@@ -87,6 +127,7 @@ int main(int argc, char** argv) {
       for (const std::string& note : geometry.notes) run.warn(note);
       rtt::Rtt made = rtt::makeRtt(geometry, options, [&] { progress.advance(1); });
       made.texture.material = each.name;
+      warnOf(each, made.figures, run);
       rays += made.figures.rays;
       stats.push_back(toJson(each.name, made));
       textures.push_back(std::move(made.texture));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "patch/subdivision.h"
 #include "tools/rtt/surface_light.h"
 #include "tools/rtt/views.h"
 #include "transport/hemisphere_grid.h"
@@ -33,12 +34,18 @@ formats::Float3 meanAlbedo(const formats::RadianceTransferTexture& texture) {
 
 }  // namespace
 
-Rtt makeRtt(const patch::PatchGeometry& geometry, const Options& options,
+Rtt makeRtt(const patch::PatchGeometry& given, const Options& options,
             const std::function<void()>& progress) {
+  patch::PatchGeometry geometry = given;
+  geometry.mesh = patch::subdivided(given.mesh, options.element / options.resolution);
   const transport::PeriodicRayScene scene(geometry.mesh, {geometry.period_x, geometry.period_y});
   const std::vector<LightDirection> lights =
       lightDirections(options.light_rule, options.polar_lights, options.azimuth_lights, options.order);
-  const SurfaceLight light = surfaceLight(geometry, scene, lights, {options.order, options.shadows});
+  const SurfaceLight light = surfaceLight(geometry, scene, lights,
+                                          {.order = options.order,
+                                           .shadows = options.shadows,
+                                           .bounces = options.bounces,
+                                           .bounce_directions = options.bounce_directions});
   Rtt rtt;
   rtt.texture.order = options.order;
   rtt.texture.views = options.views;
@@ -47,9 +54,13 @@ Rtt makeRtt(const patch::PatchGeometry& geometry, const Options& options,
   const ViewFigures seen =
       renderViews(geometry, scene, light, options.supersampling, options.masking, progress, rtt.texture);
   rtt.figures.surface_triangles = geometry.mesh.triangleCount();
-  rtt.figures.surface_points = light.rows.size() / light.rowSize();
+  rtt.figures.surface_points = light.rows.pointCount();
   rtt.figures.rays = light.rays + seen.rays;
   rtt.figures.hole_share = static_cast<double>(seen.through) / static_cast<double>(seen.rays);
+  rtt.figures.inside_share = static_cast<double>(seen.inside) / static_cast<double>(seen.rays);
+  rtt.figures.form_factors = light.form_factors;
+  rtt.figures.buried_points = light.buried;
+  rtt.figures.bounced = light.bounced;
   rtt.figures.depth = scene.highest() - scene.lowest();
   rtt.figures.mean_albedo = meanAlbedo(rtt.texture);
   return rtt;

@@ -2,13 +2,16 @@
 // Transfer", section 4.2): what it sends towards each view, of each spherical harmonic of the light on it.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "formats/json.h"
 #include "formats/radiance_transfer_texture.h"
 #include "patch/patch_geometry.h"
 #include "tools/rtt/light_directions.h"
+#include "transport/interreflection.h"
 
 namespace bakelight::rtt {
 
@@ -21,13 +24,19 @@ struct Options {
   int polar_lights = 8, azimuth_lights = 16;
   bool shadows = true;
   bool masking = true;
+  std::optional<int> bounces = {};  // nothing: all of them
+  int bounce_directions = 256;      // over the sphere
+  double element = 1;               // longest edge of what light is solved on, in texels
 };
 
 struct Figures {
   std::uint64_t surface_triangles = 0, surface_points = 0;
   std::uint64_t rays = 0;
-  double hole_share = 0;  // of the rays of all views that meet no surface
-  double depth = 0;       // of the surface, in widths of the patch
+  double hole_share = 0;    // of the rays of all views that meet no surface
+  double inside_share = 0;  // of them, that meet the inside of a closed part
+  std::uint64_t form_factors = 0, buried_points = 0;
+  std::optional<transport::InterreflectionReport> bounced;
+  double depth = 0;  // of the surface, in widths of the patch
   // Share of light that the patch reflects under a uniform sky, over all views by their cosines: what a surface
   // that carries it gives back to others.
   formats::Float3 mean_albedo = {};

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
-#include <vector>
+#include <string>
 
 #include "patch/patch_geometry.h"
 #include "tools/rtt/light_directions.h"
+#include "tools/rtt/surface_sides.h"
+#include "transport/interreflection.h"
 #include "transport/periodic_ray_scene.h"
 
 namespace bakelight::rtt {
@@ -14,25 +17,29 @@ namespace bakelight::rtt {
 struct SurfaceLightOptions {
   int order = 5;
   bool shadows = true;
+  std::optional<int> bounces = 0;  // nothing: all of them, by a solver
+  double threshold = 1e-4;         // light that a solution of all bounces may still lack, of all light
+  int bounce_directions = 256;     // over the sphere, that points look for others in
 };
 
-// Irradiance / π of each side of each vertex under each spherical harmonic of the light above the mid-plane's
-// horizon.
 struct SurfaceLight {
-  static constexpr std::uint32_t kDark = 0xffffffffU;
+  SurfaceSides sides;
+  std::size_t coefficients = 0;  // order²
+  std::size_t channels = 1;      // 3 where bounces color it
+  // Irradiance / π by row (SurfaceSides), under each spherical harmonic of the light above the mid-plane's horizon.
+  transport::TransferField rows{0, 1};
+  std::uint64_t rays = 0, form_factors = 0, buried = 0;
+  std::optional<transport::InterreflectionReport> bounced;
 
-  std::size_t coefficients = 0;            // order²
-  std::size_t channels = 1;                // 3 where bounces color it
-  std::vector<std::uint32_t> row_of_side;  // front of vertex v, then backs (v + vertex count); kDark: none
-  std::vector<float> rows;                 // channels × coefficients each
-  std::uint64_t rays = 0;
-
-  std::size_t rowSize() const { return channels * coefficients; }
+  // Nothing for a side that is dark.
   const float* row(std::uint32_t side) const {
-    return row_of_side[side] == kDark ? nullptr : &rows[row_of_side[side] * rowSize()];
+    const std::uint32_t row = sides.row_of_side[side];
+    return row == SurfaceSides::kDark ? nullptr : rows.row(row).data();
   }
 };
 
+// Direct light by the given directions; light then bounces between diffuse surfaces (x = x0 + F ρ x). Threads by TBB,
+// same bytes for any number.
 SurfaceLight surfaceLight(const patch::PatchGeometry& geometry, const transport::PeriodicRayScene& scene,
                           std::span<const LightDirection> lights, const SurfaceLightOptions& options);
 

@@ -26,16 +26,16 @@ class RowOfTexels {
     aim(view, y, texture);
     hits_ = transport::HitBundle(rays_.size());
     scene_.nearestHits(rays_, hits_);
-    ViewFigures figures{rays_.size(), 0};
+    ViewFigures figures{rays_.size()};
     const std::size_t samples = static_cast<std::size_t>(supersampling_) * supersampling_;
     for (int x = 0; x < texture.width; ++x) {
       const std::span<float> response = texture.response(column, row, x, y);
       for (std::size_t s = 0; s < samples; ++s) {
         const std::size_t ray = static_cast<std::size_t>(x) * samples + s;
-        if (hits_.blocked[ray] != 0)
-          add(ray, response);
-        else
+        if (hits_.blocked[ray] == 0)
           ++figures.through;
+        else if (!add(ray, response))
+          ++figures.inside;
       }
       for (float& value : response) value /= static_cast<float>(samples);
     }
@@ -64,17 +64,17 @@ class RowOfTexels {
             point.y() - geometry_.period_y * std::floor(point.y() / geometry_.period_y), point.z()};
   }
 
-  void add(std::size_t ray, std::span<float> response) const {
+  // False for the inside of a closed part.
+  bool add(std::size_t ray, std::span<float> response) const {
     const std::uint32_t triangle = hits_.triangle[ray];
     const float u = hits_.u[ray], v = hits_.v[ray];
     const formats::Float3 albedo = geometry_.albedoAt(triangle, u, v);
     const std::array<float, 3> weights = {1 - u - v, u, v};
-    const std::uint32_t side =
-        hits_.back_face[ray] != 0 ? static_cast<std::uint32_t>(geometry_.mesh.vertexCount()) : 0U;
+    const auto side = static_cast<std::uint32_t>(hits_.back_face[ray] != 0 ? light_.sides.vertices : 0);
     const std::size_t count = light_.coefficients;
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const float* row = light_.row(geometry_.mesh.triangles[triangle][corner] + side);
-      if (row == nullptr) continue;
+      if (row == nullptr) return false;
       for (std::size_t channel = 0; channel < 3; ++channel) {
         const float weight = weights[corner] * albedo[channel];
         const float* from = row + (light_.channels == 3 ? channel * count : 0);
@@ -82,6 +82,7 @@ class RowOfTexels {
         for (std::size_t i = 0; i < count; ++i) to[i] += weight * from[i];
       }
     }
+    return true;
   }
 
   const patch::PatchGeometry& geometry_;
@@ -108,7 +109,8 @@ ViewFigures renderViews(const patch::PatchGeometry& geometry, const transport::P
     if (y == 0) progress();
   });
   ViewFigures figures;
-  for (const ViewFigures& part : parts) figures.rays += part.rays, figures.through += part.through;
+  for (const ViewFigures& part : parts)
+    figures.rays += part.rays, figures.through += part.through, figures.inside += part.inside;
   return figures;
 }
 

@@ -14,6 +14,7 @@ namespace bakelight::rtt {
 struct ViewFigures {
   std::uint64_t rays = 0;
   std::uint64_t through = 0;  // that met nothing: they went through a hole
+  std::uint64_t inside = 0;   // that met the inside of a closed part, which is dark
 };
 
 // Fills `texture`, whose sizes, order and views are set. Of each texel supersampling² points, evenly spaced, are
