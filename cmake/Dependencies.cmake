@@ -23,6 +23,7 @@ find_package(OpenEXR REQUIRED)
 find_package(PNG REQUIRED)
 find_package(meshoptimizer REQUIRED)
 find_package(hwy REQUIRED)
+pkg_check_modules(libzip REQUIRED IMPORTED_TARGET libzip)
 # FLANN's own files ask for the HDF5 and MPI libraries, which its templates do not need; LZ4 they do.
 find_path(BAKELIGHT_FLANN_INCLUDE flann/flann.hpp REQUIRED)
 find_library(BAKELIGHT_LZ4 lz4 REQUIRED)
