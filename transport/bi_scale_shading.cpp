@@ -62,6 +62,15 @@ double rttLevelOf(double distance, double pixel_angle, double cosine, double tex
   return covered > 1 ? std::log2(covered) : 0;
 }
 
+RttLevels rttLevelsAt(double level, std::size_t count) {
+  level = std::min(level, static_cast<double>(count - 1));
+  const auto fine = static_cast<std::size_t>(level);
+  constexpr double kFirst = 0.35, kLast = 0.65;
+  const double blend = std::clamp((level - static_cast<double>(fine) - kFirst) / (kLast - kFirst), 0.0, 1.0);
+  if (blend >= 1) return {fine + 1, 0};
+  return {fine, static_cast<float>(blend)};
+}
+
 struct BiScaleShading::Patch {
   formats::RttReflection reflection;  // without the tables below
   std::vector<formats::RttLevel> levels;
@@ -248,16 +257,14 @@ Float3 BiScaleShading::radianceAt(const SurfaceHit& hit) const {
   const RttReflection& reflection = patch.reflection;
   const Float2 place = placeOf(patch, at.texcoord);
   const GridPosition view = gridPosition(reflection.views, at.to_eye);
-  const double level = std::min(rttLevelOf(at.distance, view_.pixel_angle, at.to_eye.z(),
-                                           double{reflection.patch_width} / reflection.width),
-                                static_cast<double>(patch.levels.size() - 1));
-  const auto fine = static_cast<std::size_t>(level);
-  const float blend = static_cast<float>(level - static_cast<double>(fine));
+  const RttLevels levels = rttLevelsAt(rttLevelOf(at.distance, view_.pixel_angle, at.to_eye.z(),
+                                                  double{reflection.patch_width} / reflection.width),
+                                       patch.levels.size());
   std::array<float, 3 * formats::kMaxOrder * formats::kMaxOrder> buffer;
   const std::span<float> factors = std::span(buffer).first(static_cast<std::size_t>(reflection.components));
   std::fill(factors.begin(), factors.end(), 0.0F);
-  patch.add(patch.levels[fine], place, view, 1 - blend, factors);
-  if (blend > 0) patch.add(patch.levels[fine + 1], place, view, blend, factors);
+  patch.add(patch.levels[levels.fine], place, view, 1 - levels.blend, factors);
+  if (levels.blend > 0) patch.add(patch.levels[levels.fine + 1], place, view, levels.blend, factors);
   Float3 radiance = {0, 0, 0};
   for (std::size_t k = 0; k < factors.size(); ++k)
     for (std::size_t c = 0; c < 3; ++c) {

@@ -21,6 +21,14 @@ formats::RttReflection flatReflection(int order);
 // covered in one direction only, which neither is left to alias nor blurred in full.
 double rttLevelOf(double distance, double pixel_angle, double cosine, double texel_width);
 
+// The levels that are seen: `blend` of the one after `fine`. Between levels one is enough, and two are blended only about the
+// middle of the way: half of the look-ups, and no step that could be seen.
+struct RttLevels {
+  std::size_t fine = 0;
+  float blend = 0;
+};
+RttLevels rttLevelsAt(double level, std::size_t count);
+
 class BiScaleShading final : public PackShading {
  public:
   // SH transfer with an operator, and a radiance transfer texture in some appearance; the others are Lambertian.

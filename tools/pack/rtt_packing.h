@@ -27,7 +27,7 @@ PatchSources readPatchSources(const std::filesystem::path& rtt, const std::files
 struct RttPackingOptions {
   // Principal components are taken until what they leave is less: relative root mean square over all coefficients, views and
   // texels. 0 takes all.
-  double error = 0.01;
+  double error = 0.04;
   formats::Precision precision = formats::Precision::kFloat16;
 };
 

@@ -24,6 +24,8 @@ extern const ShaderSource kProjectRowsComp;
 extern const ShaderSource kProjectSumComp;
 extern const ShaderSource kSurfaceVert;
 extern const ShaderSource kSurfaceFrag;
+extern const ShaderSource kDepthVert;
+extern const ShaderSource kDepthFrag;
 extern const ShaderSource kFullscreenVert;
 extern const ShaderSource kBackdropFrag;
 extern const ShaderSource kResolveFrag;

@@ -44,15 +44,16 @@ Buffer bufferOf(const auto& values) {
   return makeBuffer(values.size() * sizeof(values[0]), values.data());
 }
 
-// The basis of four components side by side; components beyond the last are zero.
-Buffer basisOf(const RttReflection& reflection, std::size_t groups) {
+// Groups from `first` on: coefficients × RGB × groups × 4 components; components beyond the last are zero.
+Buffer basisOf(const RttReflection& reflection, std::size_t first, std::size_t groups) {
   const auto coefficients = static_cast<std::size_t>(transport::coefficientCount(reflection.order));
-  std::vector<Float4> basis(groups * coefficients * 3, Float4{0, 0, 0, 0});
-  for (int k = 0; k < reflection.components; ++k)
+  std::vector<float> basis(coefficients * 3 * groups * 4, 0.0F);
+  const std::size_t end = std::min(4 * (first + groups), static_cast<std::size_t>(reflection.components));
+  for (std::size_t k = 4 * first; k < end; ++k)
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t i = 0; i < coefficients; ++i)
-        basis[((static_cast<std::size_t>(k) / 4 * coefficients) + i) * 3 + c]
-             [static_cast<std::size_t>(k) % 4] = reflection.basisOf(k)[c * coefficients + i];
+        basis[(i * 3 + c) * 4 * groups + k - 4 * first] =
+            reflection.basisOf(static_cast<int>(k))[c * coefficients + i];
   return bufferOf(basis);
 }
 
@@ -111,6 +112,7 @@ BiScale::BiScale(const formats::Pack& pack, const SurfaceMesh& mesh, bool near_l
       pack.mesh.texcoords.empty() ? bufferOf(std::vector<Float2>(count)) : bufferOf(pack.mesh.texcoords);
   albedo_ = bufferOf(albedos(pack, ranges));
   const formats::PackImage* last = nullptr;
+  std::vector<RttReflection> reflections;
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     const auto* own = pack.appearances[i].reflection.as<RttReflection>();
     const RttReflection reflection = own == nullptr ? transport::flatReflection(output_order_) : *own;
@@ -124,13 +126,13 @@ BiScale::BiScale(const formats::Pack& pack, const SurfaceMesh& mesh, bool near_l
     patch.order = reflection.order;
     patch.views = reflection.views;
     patch.groups = (static_cast<std::size_t>(reflection.components) + kGroup - 1) / kGroup;
-    // One program for all draws: the last is filled up with zeros.
-    if (patch.groups > kGroupsAtOnce)
-      patch.groups = (patch.groups + kGroupsAtOnce - 1) / kGroupsAtOnce * kGroupsAtOnce;
+    // One program for all draws: as many groups in each, filled up with zeros.
+    const std::size_t draws = (patch.groups + kGroupsAtOnce - 1) / kGroupsAtOnce;
+    patch.groups_at_once = (patch.groups + draws - 1) / draws;
+    patch.groups = draws * patch.groups_at_once;
     patch.texel_width = reflection.patch_width / static_cast<float>(reflection.width);
     patch.repeats = {reflection.repeats, reflection.repeats * static_cast<float>(reflection.width) /
                                              static_cast<float>(reflection.height)};
-    patch.basis = basisOf(reflection, patch.groups);
     uploadFactors(reflection, patch);
     if (own != nullptr && indices[i] != nullptr) {
       if (indices[i] != last) {
@@ -144,10 +146,12 @@ BiScale::BiScale(const formats::Pack& pack, const SurfaceMesh& mesh, bool near_l
     }
     most_groups_ = std::max(most_groups_, patch.groups);
     patches_.push_back(std::move(patch));
+    reflections.push_back(reflection);
   }
   projected_ = makeBuffer(count * most_groups_ * 3 * sizeof(Float4), nullptr);
-  project_program_ = makeComputeProgram({kBiScaleProjectComp});
-  for (Patch& patch : patches_) addPasses(patch);
+  for (std::size_t i = 0; i < patches_.size(); ++i) addDraws(reflections[i], patches_[i]);
+  depth_program_ = makeProgram({{GL_VERTEX_SHADER, {kDepthVert}}, {GL_FRAGMENT_SHADER, {kDepthFrag}}});
+  depth_vertices_ = makeVertexArray(mesh_.indices(), {{kPosition, &mesh_.positions()}});
   throwIfGlFailed("uploading radiance transfer textures");
 }
 
@@ -202,24 +206,23 @@ void BiScale::uploadFactors(const RttReflection& reflection, Patch& patch) {
     }
 }
 
-Program BiScale::programFor(const Patch& patch) const {
-  std::string definitions = "#define GROUPS " + std::to_string(std::min(patch.groups, kGroupsAtOnce)) +
-                            "\n#define VIEWS " + std::to_string(patch.views) + "\n#define LEVELS " +
-                            std::to_string(patch.levels.size()) + "\n";
-  if (patch.index != nullptr) definitions += "#define INDEX\n";
-  return makeProgram(
+void BiScale::addDraws(const RttReflection& reflection, Patch& patch) {
+  std::string definitions = "#define GROUPS " + std::to_string(patch.groups_at_once) + "\n";
+  patch.project_program = makeComputeProgram(
+      {kBiScaleProjectComp}, definitions + "#define COEFFICIENTS " +
+                                 std::to_string(transport::coefficientCount(patch.order)) + "u\n");
+  definitions += "#define VIEWS " + std::to_string(patch.views) + "\n#define LEVELS " +
+                 std::to_string(patch.levels.size()) + "\n" +
+                 (patch.index != nullptr ? "#define INDEX\n" : "");
+  patch.program = makeProgram(
       {{GL_VERTEX_SHADER, {kBiScaleVert}, definitions}, {GL_FRAGMENT_SHADER, {kBiScaleFrag}, definitions}});
-}
-
-void BiScale::addPasses(Patch& patch) {
-  patch.program = programFor(patch);
   const auto stride = static_cast<GLsizei>(most_groups_ * 3 * sizeof(Float4));
-  for (std::size_t first = 0; first < patch.groups; first += kGroupsAtOnce) {
+  for (std::size_t first = 0; first < patch.groups; first += patch.groups_at_once) {
     VertexArray vertices = makeVertexArray();
     const GLuint name = vertices.name();
-    const auto attribute = [&](GLuint location, const Buffer& buffer, GLintptr offset, GLsizei step,
+    const auto attribute = [&](GLuint location, const Buffer& buffer, std::size_t offset, GLsizei step,
                                GLint size) {
-      glVertexArrayVertexBuffer(name, location, buffer.name(), offset, step);
+      glVertexArrayVertexBuffer(name, location, buffer.name(), static_cast<GLintptr>(offset), step);
       glEnableVertexArrayAttrib(name, location);
       glVertexArrayAttribFormat(name, location, size, GL_FLOAT, GL_FALSE, 0);
       glVertexArrayAttribBinding(name, location, location);
@@ -228,12 +231,10 @@ void BiScale::addPasses(Patch& patch) {
     attribute(kNormal, normals_, 0, sizeof(Float3), 3);
     attribute(kTangent, tangents_, 0, sizeof(Float4), 4);
     attribute(kTexcoord, texcoords_, 0, sizeof(Float2), 2);
-    const std::size_t groups = std::min(patch.groups - first, kGroupsAtOnce);
-    for (std::size_t i = 0; i < 3 * groups; ++i)
-      attribute(kProjected + static_cast<GLuint>(i), projected_,
-                static_cast<GLintptr>((3 * first + i) * sizeof(Float4)), stride, 4);
+    for (std::size_t i = 0; i < 3 * patch.groups_at_once; ++i)
+      attribute(kProjected + static_cast<GLuint>(i), projected_, (3 * first + i) * sizeof(Float4), stride, 4);
     glVertexArrayElementBuffer(name, patch.indices.name());
-    patch.passes.push_back(std::move(vertices));
+    patch.draws.push_back({basisOf(reflection, first, patch.groups_at_once), std::move(vertices)});
   }
 }
 
@@ -250,18 +251,15 @@ void BiScale::setLight(const GpuLight& distant, const GpuLight* near) {
 void BiScale::project() {
   const GpuPass pass("project");
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-  glUseProgram(project_program_.name());
   const std::size_t transferred_bytes =
       static_cast<std::size_t>(transport::coefficientCount(output_order_)) * sizeof(Float3);
   const std::size_t projected_bytes = most_groups_ * 3 * sizeof(Float4);
   const std::vector<RowRange> ranges =
-      rowRanges(mesh_.vertexCount(), std::max(transferred_bytes, projected_bytes), most_groups_);
+      rowRanges(mesh_.vertexCount(), std::max(transferred_bytes, projected_bytes), 1);
   for (const Patch& patch : patches_) {
-    glUniform1ui(2, static_cast<GLuint>(patch.groups));
+    glUseProgram(patch.project_program.name());
     glUniform1ui(3, static_cast<GLuint>(most_groups_));
-    glUniform1ui(4, static_cast<GLuint>(transport::coefficientCount(patch.order)));
-    glUniform1ui(5, static_cast<GLuint>(transport::coefficientCount(output_order_)));
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, patch.basis.name());
+    glUniform1ui(4, static_cast<GLuint>(transport::coefficientCount(output_order_)));
     for (const RowRange& range : ranges) {
       const std::size_t first = std::max(range.first, patch.vertices.first);
       const std::size_t end = std::min(range.first + range.count, patch.vertices.end);
@@ -271,7 +269,11 @@ void BiScale::project() {
       bindRows(3, projected_, range, projected_bytes);
       glUniform1ui(0, static_cast<GLuint>(end - range.first));
       glUniform1ui(1, static_cast<GLuint>(first - range.first));
-      dispatchItems((end - first) * patch.groups);
+      for (std::size_t i = 0; i < patch.draws.size(); ++i) {
+        glUniform1ui(2, static_cast<GLuint>(i * patch.groups_at_once));
+        glBindBufferBase(GL_UNIFORM_BUFFER, 1, patch.draws[i].basis.name());
+        dispatchItems(end - first);
+      }
     }
   }
   glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
@@ -283,8 +285,22 @@ void BiScale::lookFrom(const transport::ViewPoint& view) {
   pixel_angle_ = static_cast<float>(view.pixel_angle);
 }
 
+void BiScale::drawDepth(const Eigen::Matrix4f& clip_from_position) const {
+  const GpuPass pass("depth");
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  glUseProgram(depth_program_.name());
+  glUniformMatrix4fv(kClipFromPosition, 1, GL_FALSE, clip_from_position.data());
+  glBindVertexArray(depth_vertices_.name());
+  glDrawElements(GL_TRIANGLES, mesh_.indexCount(), GL_UNSIGNED_INT, nullptr);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
 void BiScale::draw(const Eigen::Matrix4f& clip_from_position) const {
+  // Looking textures up is what costs: only what is seen does it.
+  drawDepth(clip_from_position);
   const GpuPass pass("surface");
+  glDepthFunc(GL_EQUAL);
+  glBlendFunc(GL_ONE, GL_ONE);
   for (const Patch& patch : patches_) {
     glUseProgram(patch.program.name());
     glUniformMatrix4fv(kClipFromPosition, 1, GL_FALSE, clip_from_position.data());
@@ -299,29 +315,24 @@ void BiScale::draw(const Eigen::Matrix4f& clip_from_position) const {
     } else {
       glUniform2fv(kPlacing, 1, patch.repeats.data());
     }
-    for (std::size_t i = 0; i < patch.passes.size(); ++i) {
+    for (std::size_t i = 0; i < patch.draws.size(); ++i) {
       // What the first draw shows, the others add to.
-      if (i == 1) {
-        glEnable(GL_BLEND);
-        glBlendFunc(GL_ONE, GL_ONE);
-        glDepthFunc(GL_EQUAL);
-      }
-      glUniform1i(kFirstGroup, static_cast<GLint>(i * kGroupsAtOnce));
+      if (i == 1) glEnable(GL_BLEND);
+      glUniform1i(kFirstGroup, static_cast<GLint>(i * patch.groups_at_once));
       glUniform1f(kAlpha, i == 0 ? 1.0F : 0.0F);
-      glBindVertexArray(patch.passes[i].name());
+      glBindVertexArray(patch.draws[i].vertices.name());
       glDrawElements(GL_TRIANGLES, patch.index_count, GL_UNSIGNED_INT, nullptr);
     }
     glDisable(GL_BLEND);
-    glDepthFunc(GL_LEQUAL);
   }
+  glDepthFunc(GL_LEQUAL);
 }
 
 std::size_t BiScale::gpuBytes() const {
   std::size_t bytes = transfer_->gpuBytes() + light_.gpuBytes() + sizeInBytes(normals_) +
                       sizeInBytes(tangents_) + sizeInBytes(texcoords_) + sizeInBytes(albedo_) +
                       sizeInBytes(projected_) + index_bytes_;
-  for (const Patch& patch : patches_)
-    bytes += sizeInBytes(patch.indices) + sizeInBytes(patch.basis) + patch.factor_bytes;
+  for (const Patch& patch : patches_) bytes += sizeInBytes(patch.indices) + patch.factor_bytes;
   return bytes;
 }
 

@@ -34,11 +34,16 @@ class BiScale final : public Technique {
   // Groups that one draw adds up: 12 of the 16 attributes and varyings that GL guarantees.
   static constexpr std::size_t kGroupsAtOnce = 4;
 
+  // Of up to kGroupsAtOnce groups.
+  struct Draw {
+    Buffer basis;  // coefficients × RGB × groups × 4 components
+    VertexArray vertices;
+  };
   struct Patch {
     formats::VertexRange vertices;
     GLsizei index_count = 0;
     Buffer indices;
-    std::size_t groups = 0;
+    std::size_t groups = 0, groups_at_once = 0;
     int order = 0, views = 1;
     float texel_width = 1;
     std::array<float, 2> repeats = {1, 1};  // texture coordinates to places of the patch, without an index
@@ -48,14 +53,13 @@ class BiScale final : public Technique {
     std::size_t factor_bytes = 0;
     const Texture* index = nullptr;
     std::array<float, 4> index_decoding = {1, 1, 0, 0};  // scale, offset
-    Buffer basis;                                        // groups × order² × RGB × 4 components
-    Program program;                                     // draws so many groups at once
-    std::vector<VertexArray> passes;
+    Program project_program, program;
+    std::vector<Draw> draws;
   };
 
   void uploadFactors(const formats::RttReflection& reflection, Patch& patch);
-  void addPasses(Patch& patch);
-  Program programFor(const Patch& patch) const;
+  void addDraws(const formats::RttReflection& reflection, Patch& patch);
+  void drawDepth(const Eigen::Matrix4f& clip_from_position) const;
   void project();
 
   const SurfaceMesh& mesh_;
@@ -68,7 +72,8 @@ class BiScale final : public Technique {
   std::vector<std::unique_ptr<Texture>> index_images_;
   std::size_t index_bytes_ = 0;
   std::vector<Patch> patches_;
-  Program project_program_;
+  Program depth_program_;
+  VertexArray depth_vertices_;
   formats::Float3 eye_ = {0, 0, 0};
   float pixel_angle_ = 0;
 };

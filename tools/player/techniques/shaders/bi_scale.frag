@@ -66,7 +66,12 @@ void main() {
   float covered = distance_to_eye * pixel_angle / (texel_width * sqrt(max(local_eye.z, 0.01)));
   float level = clamp(covered > 1.0 ? log2(covered) : 0.0, 0.0, float(LEVELS - 1));
   int fine = int(level);
-  float blend = level - float(fine);
+  // transport::rttLevelsAt.
+  float blend = clamp((level - float(fine) - 0.35) / 0.3, 0.0, 1.0);
+  if (blend >= 1.0) {
+    ++fine;
+    blend = 0.0;
+  }
   vec2 place = placeInPatch();
   vec2 scale = 1.0 / vec2(textureSize(factors, 0).xy);
   vec2 near_by = (blockOf(fine, place) + view) * scale;
