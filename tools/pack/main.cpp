@@ -5,6 +5,7 @@
 #include "formats/material.h"
 #include "formats/mesh_ply.h"
 #include "formats/pack.h"
+#include "formats/patch_albedo.h"
 #include "formats/tensors.h"
 #include "tools/pack/packing.h"
 #include "tools/pack/report.h"
@@ -62,10 +63,11 @@ int main(int argc, char** argv) {
     std::optional<formats::TensorFile> brdf;
     if (!brdf_path.empty()) brdf = formats::readSafetensors(brdf_path);
     formats::TriangleMesh mesh = formats::readPly(mesh_path);
-    options.material = formats::materialsOn(mesh, formats::readMaterialsOrDefault(material_path),
-                                            mesh_path.string(), material_path.string());
     packing::PatchSources patches;
     if (!rtt_path.empty()) patches = packing::readPatchSources(rtt_path, id_map_path);
+    formats::Materials materials = formats::readMaterialsOrDefault(material_path);
+    formats::takePatchAlbedo(materials, patches.textures);
+    options.material = formats::materialsOn(mesh, materials, mesh_path.string(), material_path.string());
     const formats::Pack pack =
         packing::assemblePack(std::move(mesh), transfer, brdf ? &*brdf : nullptr, options,
                               {mesh_path.string(), transfer_path.string(), brdf_path.string(),

@@ -12,6 +12,7 @@
 #include "tools/player/renderer.h"
 #include "tools/player/window.h"
 #include "tools/stage/stage.h"
+#include "transport/bi_scale_shading.h"
 #include "transport/windowing.h"
 
 using namespace bakelight;
@@ -27,7 +28,14 @@ int main(int argc, char** argv) {
     const auto encoding =
         headless ? player::encodingFor(options.image_path) : player::PictureEncoding::kDisplay;
     const formats::FrameSettings settings = options.settings;
-    const formats::Pack pack = formats::readPack(options.pack_path);
+    formats::Pack pack = formats::readPack(options.pack_path);
+    if (options.effects != transport::BiScaleEffects::kAll) {
+      if (!transport::BiScaleShading::shades(pack))
+        throw badInput({options.pack_path.string(), "", "/effects"},
+                       "it has no meso-structure to compare without",
+                       "a pack with a radiance transfer texture, or effects all");
+      pack = transport::withEffects(std::move(pack), options.effects);
+    }
     formats::LightRig rig =
         formats::readLights(options.environment_path, options.lights_path, options.windowing);
     for (const std::string& note : formats::notesOn(rig)) run.warn(note);

@@ -21,6 +21,10 @@ void declareOptions(stage::Tool& tool, Options& options) {
                  "just enough, none or 0: no window")
       .parameter("cube_resolution", options.cube_resolution, {4, 1024}, "px",
                  "edge of the cube map that emitters are drawn into")
+      .parameter("effects", options.effects, transport::kBiScaleEffects,
+                 "Of a pack with meso-structure, to compare: without the object's own shadows, without "
+                 "masking, the mean "
+                 "over views, or the object's shadows alone")
       .parameter("auto_exposure", settings.auto_exposure, "bring the lights' mean radiance to a middle value")
       .parameter("exposure_ev", settings.exposure_ev, {-32, 32}, "EV",
                  "stops brighter than that, or than factor 1");

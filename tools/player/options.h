@@ -8,6 +8,7 @@
 #include "formats/pack.h"
 #include "tools/player/headless.h"
 #include "tools/stage/stage.h"
+#include "transport/bi_scale_comparison.h"
 #include "transport/frame.h"
 #include "transport/lighting.h"
 
@@ -18,6 +19,7 @@ struct Options {
   formats::FrameSettings settings;
   std::optional<double> windowing;  // none: as the rig says
   int cube_resolution = 64;
+  transport::BiScaleEffects effects = transport::BiScaleEffects::kAll;
 };
 
 // `options` outlives the tool's run.

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/material.h"
+#include "formats/patch_albedo.h"
 #include "formats/tensors.h"
 #include "tools/stage/stage.h"
 #include "tools/transfer/transfer.h"
@@ -12,7 +13,7 @@
 using namespace bakelight;
 
 int main(int argc, char** argv) {
-  std::filesystem::path mesh_path, material_path, frames_path, transfer_path;
+  std::filesystem::path mesh_path, material_path, frames_path, rtt_path, transfer_path;
   transfer::TransferSettings settings;
   stage::Tool tool("transfer", "Bakes radiance transfer at the vertices of a mesh.");
   transfer::declare(tool, settings);
@@ -24,6 +25,9 @@ int main(int argc, char** argv) {
       .input("frames", "tensors", frames_path,
              "tangents of the vertices' frames, as idmap writes them for a mesh that patches are laid out on",
              false)
+      .input("rtt", "rtt", rtt_path,
+             "radiance transfer textures of the materials' patches: light bounces off their mean albedo",
+             false)
       .output("transfer", "tensors", transfer_path, "safetensors file for pack (docs/FORMATS.md)")
       .executionPath(transport::RayScene::executionPath);
 
@@ -32,8 +36,11 @@ int main(int argc, char** argv) {
     const formats::TriangleMesh mesh = transfer::readBakeableMesh(mesh_path);
     if (settings.isGlossy())
       options.tangents = transfer::localFrames(mesh, settings.frames, frames_path, mesh_path.string(), run);
-    const formats::SurfaceMaterials surface = formats::materialsOn(
-        mesh, formats::readMaterialsOrDefault(material_path), mesh_path.string(), material_path.string());
+    formats::Materials materials = formats::readMaterialsOrDefault(material_path);
+    if (!rtt_path.empty())
+      formats::takePatchAlbedo(materials, formats::readRadianceTransferTextures(rtt_path));
+    const formats::SurfaceMaterials surface =
+        formats::materialsOn(mesh, materials, mesh_path.string(), material_path.string());
     if (surface.replaces_colors) run.warn("the material's albedo stands in place of the mesh's colours");
     std::vector<formats::Float3> albedo = surface.vertex_albedo;
     // Without bounces a uniform albedo stays outside, and pack is free to choose it.
