@@ -271,8 +271,18 @@ double PeriodicRayScene::lowest() const {
 double PeriodicRayScene::highest() const {
   return implementation_->high;
 }
-std::size_t PeriodicRayScene::heldTriangles() const {
-  return implementation_->triangle_of_copy.size();
+TriangleMesh PeriodicRayScene::heldTriangles() const {
+  TriangleMesh mesh;
+  const std::size_t count = implementation_->triangle_of_copy.size();
+  if (count == 0) return mesh;
+  const RTCGeometry geometry = rtcGetGeometry(implementation_->scene, 0);
+  const auto* positions =
+      static_cast<const Float3*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
+  mesh.positions.assign(positions, positions + 3 * count);
+  const auto* triangles =
+      static_cast<const formats::Triangle*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_INDEX, 0));
+  mesh.triangles.assign(triangles, triangles + count);
+  return mesh;
 }
 
 void PeriodicRayScene::nearestHits(const FreeRays& rays, HitBundle& hits) const {
@@ -280,7 +290,6 @@ void PeriodicRayScene::nearestHits(const FreeRays& rays, HitBundle& hits) const 
   alignas(64) int valid[kWidth];
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   for (std::size_t first = 0; first < rays.size(); first += kWidth) {
     PacketWalk walk(*implementation_, rays, first);
     std::fill_n(&hits.blocked[first], walk.count(), std::uint8_t{0});
@@ -314,7 +323,6 @@ void PeriodicRayScene::occluded(const FreeRays& rays, std::span<std::uint8_t> bl
   alignas(64) int valid[kWidth];
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   for (std::size_t first = 0; first < rays.size(); first += kWidth) {
     PacketWalk walk(*implementation_, rays, first);
     std::fill_n(&blocked[first], walk.count(), std::uint8_t{0});

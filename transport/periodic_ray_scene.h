@@ -46,7 +46,7 @@ class PeriodicRayScene {
 
   double lowest() const;  // z of the mesh
   double highest() const;
-  std::size_t heldTriangles() const;  // with the copies
+  formats::TriangleMesh heldTriangles() const;  // with the copies
 
  private:
   struct Implementation;

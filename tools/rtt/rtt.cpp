@@ -1,6 +1,7 @@
 #include "tools/rtt/rtt.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 
@@ -12,6 +13,11 @@
 
 namespace bakelight::rtt {
 namespace {
+
+using Clock = std::chrono::steady_clock;
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 // A uniform sky of 1 has the coefficient √(4π).
 formats::Float3 meanAlbedo(const formats::RadianceTransferTexture& texture) {
@@ -36,9 +42,11 @@ formats::Float3 meanAlbedo(const formats::RadianceTransferTexture& texture) {
 
 Rtt makeRtt(const patch::PatchGeometry& given, const Options& options,
             const std::function<void()>& progress) {
+  const auto start = Clock::now();
   patch::PatchGeometry geometry = given;
   geometry.mesh = patch::subdivided(given.mesh, options.element / options.resolution);
   const transport::PeriodicRayScene scene(geometry.mesh, {geometry.period_x, geometry.period_y});
+  const double tree_s = secondsSince(start);
   const std::vector<LightDirection> lights =
       lightDirections(options.light_rule, options.polar_lights, options.azimuth_lights, options.order);
   const SurfaceLight light = surfaceLight(geometry, scene, lights,
@@ -51,8 +59,13 @@ Rtt makeRtt(const patch::PatchGeometry& given, const Options& options,
   rtt.texture.views = options.views;
   rtt.texture.width = options.resolution;
   rtt.texture.height = std::max(1, static_cast<int>(std::lround(options.resolution * geometry.aspect)));
+  const auto viewing = Clock::now();
   const ViewFigures seen =
       renderViews(geometry, scene, light, options.supersampling, options.masking, progress, rtt.texture);
+  rtt.figures.views_s = secondsSince(viewing);
+  rtt.figures.tree_s = tree_s;
+  rtt.figures.direct_s = light.direct_s, rtt.figures.seeing_s = light.seeing_s;
+  rtt.figures.solving_s = light.solving_s;
   rtt.figures.surface_triangles = geometry.mesh.triangleCount();
   rtt.figures.surface_points = light.rows.pointCount();
   rtt.figures.rays = light.rays + seen.rays;

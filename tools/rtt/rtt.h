@@ -36,6 +36,7 @@ struct Figures {
   double inside_share = 0;  // of them, that meet the inside of a closed part
   std::uint64_t form_factors = 0, buried_points = 0;
   std::optional<transport::InterreflectionReport> bounced;
+  double tree_s = 0, direct_s = 0, seeing_s = 0, solving_s = 0, views_s = 0;  // what took how long
   double depth = 0;  // of the surface, in widths of the patch
   // Share of light that the patch reflects under a uniform sky, over all views by their cosines: what a surface
   // that carries it gives back to others.

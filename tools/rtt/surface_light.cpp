@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <numbers>
 #include <vector>
 
@@ -16,6 +17,11 @@ using transport::SurfacePoint;
 using transport::vec3;
 
 constexpr std::size_t kBlock = 64;  // points whose rays are traced together, light by light
+using Clock = std::chrono::steady_clock;
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
 constexpr std::size_t kFieldBytes = std::size_t{1} << 31;
 
 // Direct light of points side by side.
@@ -113,8 +119,10 @@ SurfaceLight surfaceLight(const patch::PatchGeometry& geometry, const transport:
   light.coefficients = static_cast<std::size_t>(options.order) * options.order;
   const bool bounces = options.bounces != 0;
   if (bounces && !allGray(light.sides.albedo)) light.channels = 3;
+  const auto start = Clock::now();
   const DirectLight direct =
       directLight(light.sides.points, scene, lights, light.coefficients, options.shadows);
+  light.direct_s = secondsSince(start);
   light.rays = direct.rays;
   light.rows = transport::TransferField(light.sides.points.size(), light.channels * light.coefficients);
   const auto put = [&](transport::TransferField& field) { putDirect(direct, light.coefficients, field); };
@@ -122,8 +130,10 @@ SurfaceLight surfaceLight(const patch::PatchGeometry& geometry, const transport:
     put(light.rows);
     return light;
   }
+  const auto seeing = Clock::now();
   const SeenSurface seen =
       seenSurface(geometry, scene, light.sides, options.bounce_directions, direct.sky_share);
+  light.seeing_s = secondsSince(seeing);
   light.rays += seen.rays;
   light.form_factors = seen.factors.shareCount();
   const transport::BuriedFill fill(geometry.mesh, seen.buried);
@@ -136,8 +146,10 @@ SurfaceLight surfaceLight(const patch::PatchGeometry& geometry, const transport:
   solver.bounces = options.bounces.value_or(0);
   solver.max_passes = 400;
   solver.field_bytes = kFieldBytes;
+  const auto solving = Clock::now();
   light.bounced = transport::solveInterreflection(seen.factors, light.sides.albedo, channel_of_column, fill,
                                                   solver, put, light.rows);
+  light.solving_s = secondsSince(solving);
   return light;
 }
 

@@ -30,6 +30,7 @@ struct SurfaceLight {
   transport::TransferField rows{0, 1};
   std::uint64_t rays = 0, form_factors = 0, buried = 0;
   std::optional<transport::InterreflectionReport> bounced;
+  double direct_s = 0, seeing_s = 0, solving_s = 0;  // what took how long
 
   // Nothing for a side that is dark.
   const float* row(std::uint32_t side) const {

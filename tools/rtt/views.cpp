@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "tools/rtt/view_rays.h"
 #include "transport/hemisphere_grid.h"
 
 namespace bakelight::rtt {
@@ -23,7 +24,8 @@ class RowOfTexels {
 
   ViewFigures render(const Vec3& view, int column, int row, int y,
                      formats::RadianceTransferTexture& texture) {
-    aim(view, y, texture);
+    rays_.clear();
+    rowOfViewRays(geometry_, scene_, view, {texture.width, texture.height, supersampling_}, y, rays_);
     hits_ = transport::HitBundle(rays_.size());
     scene_.nearestHits(rays_, hits_);
     ViewFigures figures{rays_.size()};
@@ -43,27 +45,6 @@ class RowOfTexels {
   }
 
  private:
-  void aim(const Vec3& view, int y, const formats::RadianceTransferTexture& texture) {
-    rays_.clear();
-    const double size = std::max({geometry_.period_x, geometry_.period_y, scene_.highest()});
-    const double start = (scene_.highest() + 1e-3 * size) / view.z();
-    const double across = 1.0 / (texture.width * supersampling_);
-    const double down = geometry_.aspect / (texture.height * supersampling_);
-    for (int x = 0; x < texture.width; ++x)
-      for (int j = 0; j < supersampling_; ++j)
-        for (int i = 0; i < supersampling_; ++i) {
-          const Vec3 point((x * supersampling_ + i + 0.5) * across,
-                           geometry_.aspect - (y * supersampling_ + j + 0.5) * down, 0);
-          rays_.push(wrapped(point + start * view), -view);
-        }
-  }
-
-  // In double: far origins would lose what tells neighbors apart.
-  Vec3 wrapped(const Vec3& point) const {
-    return {point.x() - geometry_.period_x * std::floor(point.x() / geometry_.period_x),
-            point.y() - geometry_.period_y * std::floor(point.y() / geometry_.period_y), point.z()};
-  }
-
   // False for the inside of a closed part.
   bool add(std::size_t ray, std::span<float> response) const {
     const std::uint32_t triangle = hits_.triangle[ray];
