@@ -37,17 +37,10 @@ Bounds boundsOf(const TriangleMesh& mesh) {
 
 }  // namespace
 
-void FreeRays::clear() {
-  for (std::vector<float>* values : {&x, &y, &z, &direction_x, &direction_y, &direction_z}) values->clear();
-}
-
-void FreeRays::push(const Vec3& origin, const Vec3& direction) {
-  x.push_back(static_cast<float>(origin.x()));
-  y.push_back(static_cast<float>(origin.y()));
-  z.push_back(static_cast<float>(origin.z()));
-  direction_x.push_back(static_cast<float>(direction.x()));
-  direction_y.push_back(static_cast<float>(direction.y()));
-  direction_z.push_back(static_cast<float>(direction.z()));
+void FreeRays::grow() {
+  const std::size_t capacity = std::max<std::size_t>(64, 2 * size_);
+  for (std::vector<float>* values : {&x, &y, &z, &direction_x, &direction_y, &direction_z})
+    values->resize(capacity);
 }
 
 struct PeriodicRayScene::Implementation {
@@ -234,7 +227,8 @@ class PacketWalk {
     double length = way.leaves - way.gone;
     for (std::size_t c = 0; c < 2; ++c) {
       at[c] = origin[c] + way.gone * direction[c];
-      at[c] -= scene_.period[c] * std::floor(at[c] / scene_.period[c]);
+      if (at[c] < 0 || at[c] >= scene_.period[c])
+        at[c] -= scene_.period[c] * std::floor(at[c] / scene_.period[c]);
       const double wall = direction[c] > 0 ? scene_.period[c] + scene_.margin[c] : -scene_.margin[c];
       if (direction[c] != 0) length = std::min(length, (wall - at[c]) / direction[c]);
     }

@@ -15,12 +15,26 @@ namespace bakelight::transport {
 // Rays with origins of their own, as a structure of arrays. They are traced in packets of
 // RayScene::kPacketWidth neighbors, which should be alike.
 struct FreeRays {
+  // Of at least size() elements each.
   std::vector<float> x, y, z;                                // origins
   std::vector<float> direction_x, direction_y, direction_z;  // unit
 
-  void clear();
-  void push(const Vec3& origin, const Vec3& direction);
-  std::size_t size() const { return x.size(); }
+  void clear() { size_ = 0; }
+  void push(const Vec3& origin, const Vec3& direction) {
+    if (size_ == x.size()) grow();
+    x[size_] = static_cast<float>(origin.x());
+    y[size_] = static_cast<float>(origin.y());
+    z[size_] = static_cast<float>(origin.z());
+    direction_x[size_] = static_cast<float>(direction.x());
+    direction_y[size_] = static_cast<float>(direction.y());
+    direction_z[size_] = static_cast<float>(direction.z());
+    ++size_;
+  }
+  std::size_t size() const { return size_; }
+
+ private:
+  void grow();
+  std::size_t size_ = 0;
 };
 
 class PeriodicRayScene {

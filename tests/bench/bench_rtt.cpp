@@ -28,7 +28,7 @@
 
 #include "formats/material.h"
 #include "patch/read_patch.h"
-#include "patch/subdivision.h"
+#include "tools/rtt/elements.h"
 #include "tools/rtt/rtt.h"
 #include "tools/rtt/surface_sides.h"
 #include "tools/rtt/view_rays.h"
@@ -237,8 +237,8 @@ double pyramidError(const patch::PatchGeometry& geometry, const Rtt& finest) {
 void paper(benchmark::State& state, const std::string& name) {
   const patch::PatchGeometry geometry = patchOf(name);
   const Options options = paperOptions();
-  patch::PatchGeometry solved = geometry;
-  solved.mesh = patch::subdivided(geometry.mesh, options.element / options.resolution);
+  double longest_edge = options.element / options.resolution;
+  const patch::PatchGeometry solved = withElements(geometry, longest_edge);
   const transport::PeriodicRayScene scene(solved.mesh, {solved.period_x, solved.period_y});
   const BareEmbree bare(scene.heldTriangles());
   const RayLists lists = raysOf(solved, scene, options);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "patch/subdivision.h"
+#include "tools/rtt/elements.h"
 #include "tools/rtt/surface_light.h"
 #include "tools/rtt/views.h"
 #include "transport/hemisphere_grid.h"
@@ -43,8 +43,8 @@ formats::Float3 meanAlbedo(const formats::RadianceTransferTexture& texture) {
 Rtt makeRtt(const patch::PatchGeometry& given, const Options& options,
             const std::function<void()>& progress) {
   const auto start = Clock::now();
-  patch::PatchGeometry geometry = given;
-  geometry.mesh = patch::subdivided(given.mesh, options.element / options.resolution);
+  double longest_edge = options.element / options.resolution;
+  const patch::PatchGeometry geometry = withElements(given, longest_edge);
   const transport::PeriodicRayScene scene(geometry.mesh, {geometry.period_x, geometry.period_y});
   const double tree_s = secondsSince(start);
   const std::vector<LightDirection> lights =
@@ -66,6 +66,7 @@ Rtt makeRtt(const patch::PatchGeometry& given, const Options& options,
   rtt.figures.tree_s = tree_s;
   rtt.figures.direct_s = light.direct_s, rtt.figures.seeing_s = light.seeing_s;
   rtt.figures.solving_s = light.solving_s;
+  rtt.figures.element = longest_edge * options.resolution;
   rtt.figures.surface_triangles = geometry.mesh.triangleCount();
   rtt.figures.surface_points = light.rows.pointCount();
   rtt.figures.rays = light.rays + seen.rays;

@@ -31,6 +31,7 @@ struct Options {
 
 struct Figures {
   std::uint64_t surface_triangles = 0, surface_points = 0;
+  double element = 0;  // longest edge of what light was solved on, in texels: as asked for, or longer
   std::uint64_t rays = 0;
   double hole_share = 0;    // of the rays of all views that meet no surface
   double inside_share = 0;  // of them, that meet the inside of a closed part

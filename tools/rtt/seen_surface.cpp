@@ -25,21 +25,26 @@ class Tracer {
         scene_(scene),
         sides_(sides),
         directions_(directions),
-        sums_(3 * directions.size()),
+        sums_(directions.size()),
         hits_(kBlock) {}
 
   // Rows of the points first … first + count.
   std::vector<std::vector<SeenVertex>> trace(std::size_t first, std::size_t count,
                                              std::span<const double> sky_share, std::uint8_t* buried) {
     for (auto& met : met_) met.clear();
+    for (std::size_t p = 0; p < count; ++p) {
+      origins_[p] = vec3(sides_.points[first + p].origin);
+      normals_[p] = vec3(sides_.points[first + p].normal);
+    }
     outcome_.assign(count, {});
-    for (const Vec3& direction : directions_) traceAlong(direction, first, count);
+    for (const Vec3& direction : directions_) traceAlong(direction, count);
     std::vector<std::vector<SeenVertex>> rows(count);
     for (std::size_t p = 0; p < count; ++p) {
       const Outcome& outcome = outcome_[p];
       const double not_sky = outcome.all - outcome.sky;
       const double rest = std::max(1 - sky_share[first + p], 0.0);
-      for (const Met& met : met_[p]) addShares(met, not_sky > 0 ? rest / not_sky : 0);
+      const double scale = not_sky > 0 ? rest / not_sky : 0;
+      for (const Met& met : met_[p]) sums_.add(met.row, static_cast<float>(scale * met.cosine));
       rows[p] = sums_.take();
       buried[p] = sky_share[first + p] == 0 && outcome.dark > outcome.lit ? 1 : 0;
     }
@@ -50,22 +55,20 @@ class Tracer {
 
  private:
   struct Met {
-    std::uint32_t triangle;
-    float u, v, cosine;
-    bool back;
+    std::uint32_t row;
+    float cosine;
   };
   struct Outcome {
     double all = 0, sky = 0, dark = 0, lit = 0;  // sums of cosines
   };
 
-  void traceAlong(const Vec3& direction, std::size_t first, std::size_t count) {
+  void traceAlong(const Vec3& direction, std::size_t count) {
     rays_.clear(), sources_.clear();
     for (std::size_t p = 0; p < count; ++p) {
-      const transport::SurfacePoint& point = sides_.points[first + p];
-      const double cosine = vec3(point.normal).dot(direction);
+      const double cosine = normals_[p].dot(direction);
       if (cosine <= 0) continue;
       sources_.push_back({p, cosine});
-      rays_.push(vec3(point.origin), direction);
+      rays_.push(origins_[p], direction);
     }
     scene_.nearestHits(rays_, hits_);
     traced_ += rays_.size();
@@ -77,23 +80,19 @@ class Tracer {
         if (direction.z() > 0) outcome.sky += cosine;
         continue;
       }
-      const Met met{hits_.triangle[i], hits_.u[i], hits_.v[i], static_cast<float>(cosine),
-                    hits_.back_face[i] != 0};
-      const bool is_dark = rowOf(met, 0) == SurfaceSides::kDark;
-      (is_dark ? outcome.dark : outcome.lit) += cosine;
-      if (!is_dark) met_[p].push_back(met);
+      const std::uint32_t row = rowOfHit(i);
+      (row == SurfaceSides::kDark ? outcome.dark : outcome.lit) += cosine;
+      if (row != SurfaceSides::kDark) met_[p].push_back({row, static_cast<float>(cosine)});
     }
   }
 
-  std::uint32_t rowOf(const Met& met, std::size_t corner) const {
-    const std::uint32_t vertex = geometry_.mesh.triangles[met.triangle][corner];
-    return sides_.row_of_side[met.back ? vertex + sides_.vertices : vertex];
-  }
-
-  void addShares(const Met& met, double scale) {
-    const std::array<float, 3> weights = {1 - met.u - met.v, met.u, met.v};
-    for (std::size_t corner = 0; corner < 3; ++corner)
-      sums_.add(rowOf(met, corner), static_cast<float>(scale * met.cosine * weights[corner]));
+  // Of the triangle's vertex that is nearest by its weights: a hit is one of many that are spread over what is seen, so
+  // that interpolation would add work and no truth.
+  std::uint32_t rowOfHit(std::size_t ray) const {
+    const float u = hits_.u[ray], v = hits_.v[ray], rest = 1 - u - v;
+    const std::size_t corner = u > v ? (u > rest ? 1 : 0) : (v > rest ? 2 : 0);
+    const std::uint32_t vertex = geometry_.mesh.triangles[hits_.triangle[ray]][corner];
+    return sides_.row_of_side[hits_.back_face[ray] != 0 ? vertex + sides_.vertices : vertex];
   }
 
   const patch::PatchGeometry& geometry_;
@@ -106,6 +105,7 @@ class Tracer {
   std::vector<std::pair<std::size_t, double>> sources_;
   std::array<std::vector<Met>, kBlock> met_;
   std::vector<Outcome> outcome_;
+  std::array<Vec3, kBlock> origins_, normals_;
   std::uint64_t traced_ = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <numbers>
@@ -33,8 +34,10 @@ class DirectBlock {
   void gather(std::span<const SurfacePoint> points, std::size_t coefficients) {
     sums_.assign(points.size() * coefficients, 0.0);
     sky_.assign(points.size(), 0.0);
+    for (std::size_t p = 0; p < points.size(); ++p)
+      origins_[p] = vec3(points[p].origin), normals_[p] = vec3(points[p].normal);
     for (const LightDirection& light : lights_) {
-      findLit(points, light);
+      findLit(points.size(), light);
       for (std::size_t i = 0; i < lit_.size(); ++i) {
         if (blocked_[i] != 0) continue;
         const double weight = light.solid_angle_sr * cosines_[i] / std::numbers::pi;
@@ -50,13 +53,13 @@ class DirectBlock {
   std::uint64_t rays() const { return traced_; }
 
  private:
-  void findLit(std::span<const SurfacePoint> points, const LightDirection& light) {
+  void findLit(std::size_t count, const LightDirection& light) {
     rays_.clear(), lit_.clear(), cosines_.clear();
-    for (std::size_t p = 0; p < points.size(); ++p) {
-      const double cosine = vec3(points[p].normal).dot(light.towards);
+    for (std::size_t p = 0; p < count; ++p) {
+      const double cosine = normals_[p].dot(light.towards);
       if (cosine <= 0) continue;
       lit_.push_back(p), cosines_.push_back(cosine);
-      rays_.push(vec3(points[p].origin), light.towards);
+      rays_.push(origins_[p], light.towards);
     }
     blocked_.assign(lit_.size(), 0);
     if (!shadows_) return;
@@ -68,6 +71,7 @@ class DirectBlock {
   std::span<const LightDirection> lights_;
   bool shadows_;
   transport::FreeRays rays_;
+  std::array<Vec3, kBlock> origins_, normals_;
   std::vector<std::size_t> lit_;
   std::vector<double> cosines_, sums_, sky_;
   std::vector<std::uint8_t> blocked_;

@@ -9,11 +9,20 @@
 
 #include "tools/rtt/view_rays.h"
 #include "transport/hemisphere_grid.h"
+#include "transport/multiversioned.h"
 
 namespace bakelight::rtt {
 namespace {
 
 using transport::Vec3;
+
+// Of three colors, each `count` values; `stride` from one to the next in the row.
+BAKELIGHT_MULTIVERSIONED void addTinted(const float* row, std::size_t stride, std::size_t count,
+                                        const float* tint, float* sums) {
+  for (std::size_t channel = 0; channel < 3; ++channel)
+    for (std::size_t i = 0; i < count; ++i)
+      sums[channel * count + i] += tint[channel] * row[channel * stride + i];
+}
 
 // A row of texels towards one view.
 class RowOfTexels {
@@ -56,12 +65,9 @@ class RowOfTexels {
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const float* row = light_.row(geometry_.mesh.triangles[triangle][corner] + side);
       if (row == nullptr) return false;
-      for (std::size_t channel = 0; channel < 3; ++channel) {
-        const float weight = weights[corner] * albedo[channel];
-        const float* from = row + (light_.channels == 3 ? channel * count : 0);
-        float* to = &response[channel * count];
-        for (std::size_t i = 0; i < count; ++i) to[i] += weight * from[i];
-      }
+      const std::array<float, 3> tint = {weights[corner] * albedo[0], weights[corner] * albedo[1],
+                                         weights[corner] * albedo[2]};
+      addTinted(row, light_.channels == 3 ? count : 0, count, tint.data(), response.data());
     }
     return true;
   }
