@@ -43,6 +43,8 @@ formats::Json toJson(const std::string& name, const rtt::Rtt& made) {
                         {"surface_points", figures.surface_points},
                         {"depth", figures.depth},
                         {"hole_share", figures.hole_share},
+                        {"glossy_rays", figures.glossy_rays},
+                        {"element", figures.element},
                         {"inside_share", figures.inside_share},
                         {"mean_albedo", figures.mean_albedo}};
   if (figures.bounced) {
@@ -63,13 +65,17 @@ int wholeNumber(double bounces) {
   return static_cast<int>(bounces);
 }
 
-void warnOf(const NamedMaterial& each, const rtt::Figures& figures, stage::Run& run) {
+void warnOf(const NamedMaterial& each, const rtt::Figures& figures, const rtt::Options& options,
+            stage::Run& run) {
   constexpr double kSeldom = 1e-3;
   const formats::Patch& patch = *each.material->patch;
   const std::string file = (patch.height ? patch.height->file : patch.geometry->file).string();
   if (figures.inside_share > kSeldom)
     run.warn(file + ": " + std::to_string(100 * figures.inside_share) +
              " % of what views meet is the inside of closed parts, and black: are faces turned inside out?");
+  if (figures.element > options.element * (1 + 1e-9))
+    run.warn(file + ": its surface is so large that light is solved on edges of " +
+             std::to_string(figures.element) + " texels");
   if (figures.bounced && !figures.bounced->converged && figures.bounced->error_bound > 0)
     run.warn(file + ": light of further bounces is missing, at most " +
              std::to_string(100 * figures.bounced->error_bound) + " %");
@@ -104,6 +110,8 @@ int main(int argc, char** argv) {
                  "Over the sphere, in which the surface looks for itself")
       .parameter("element", options.element, {0.05, 100}, "texels",
                  "Longest edge of the triangles that light is solved on")
+      .parameter("glossy_samples", options.glossy_samples, {16, 4096}, "",
+                 "Directions that each look at a glossy surface goes on to, rounded up to batches of 16")
       .parameter("shadows", options.shadows, "Light is blocked by the surface")
       .parameter("masking", options.masking,
                  "A view sees along its direction; without, all see what lies straight below")
@@ -127,7 +135,7 @@ int main(int argc, char** argv) {
       for (const std::string& note : geometry.notes) run.warn(note);
       rtt::Rtt made = rtt::makeRtt(geometry, options, [&] { progress.advance(1); });
       made.texture.material = each.name;
-      warnOf(each, made.figures, run);
+      warnOf(each, made.figures, options, run);
       rays += made.figures.rays;
       stats.push_back(toJson(each.name, made));
       textures.push_back(std::move(made.texture));

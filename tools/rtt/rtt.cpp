@@ -20,21 +20,14 @@ double secondsSince(Clock::time_point start) {
 }
 
 // A uniform sky of 1 has the coefficient √(4π).
-formats::Float3 meanAlbedo(const formats::RadianceTransferTexture& texture) {
-  std::array<double, 3> sums = {};
-  double weights = 0;
+formats::Float3 meanAlbedo(const formats::RadianceTransferTexture& texture, const ViewFigures& seen) {
+  double cosines = 0;
   for (int row = 0; row < texture.views; ++row)
-    for (int column = 0; column < texture.views; ++column) {
-      const double cosine = transport::hemisphereCell(texture.views, column, row).z();
-      weights += cosine;
-      for (int y = 0; y < texture.height; ++y)
-        for (int x = 0; x < texture.width; ++x)
-          for (std::size_t c = 0; c < 3; ++c)
-            sums[c] += cosine * texture.response(column, row, x, y)[c * texture.coefficientCount()];
-    }
-  const double sky = std::sqrt(4 * std::numbers::pi) / (weights * static_cast<double>(texture.texelCount()));
+    for (int column = 0; column < texture.views; ++column)
+      cosines += transport::hemisphereCell(texture.views, column, row).z();
+  const double sky = std::sqrt(4 * std::numbers::pi) / (cosines * static_cast<double>(texture.texelCount()));
   formats::Float3 albedo;
-  for (std::size_t c = 0; c < 3; ++c) albedo[c] = static_cast<float>(sums[c] * sky);
+  for (std::size_t c = 0; c < 3; ++c) albedo[c] = static_cast<float>(seen.weighted_sums[c] * sky);
   return albedo;
 }
 
@@ -60,8 +53,13 @@ Rtt makeRtt(const patch::PatchGeometry& given, const Options& options,
   rtt.texture.width = options.resolution;
   rtt.texture.height = std::max(1, static_cast<int>(std::lround(options.resolution * geometry.aspect)));
   const auto viewing = Clock::now();
-  const ViewFigures seen =
-      renderViews(geometry, scene, light, options.supersampling, options.masking, progress, rtt.texture);
+  const ViewFigures seen = renderViews(geometry, scene, light,
+                                       {.supersampling = options.supersampling,
+                                        .masking = options.masking,
+                                        .shadows = options.shadows,
+                                        .bounces = options.bounces != 0,
+                                        .glossy_samples = options.glossy_samples},
+                                       progress, rtt.texture);
   rtt.figures.views_s = secondsSince(viewing);
   rtt.figures.tree_s = tree_s;
   rtt.figures.direct_s = light.direct_s, rtt.figures.seeing_s = light.seeing_s;
@@ -69,14 +67,15 @@ Rtt makeRtt(const patch::PatchGeometry& given, const Options& options,
   rtt.figures.element = longest_edge * options.resolution;
   rtt.figures.surface_triangles = geometry.mesh.triangleCount();
   rtt.figures.surface_points = light.rows.pointCount();
-  rtt.figures.rays = light.rays + seen.rays;
+  rtt.figures.rays = light.rays + seen.rays + seen.glossy_rays;
+  rtt.figures.glossy_rays = seen.glossy_rays;
   rtt.figures.hole_share = static_cast<double>(seen.through) / static_cast<double>(seen.rays);
   rtt.figures.inside_share = static_cast<double>(seen.inside) / static_cast<double>(seen.rays);
   rtt.figures.form_factors = light.form_factors;
   rtt.figures.buried_points = light.buried;
   rtt.figures.bounced = light.bounced;
   rtt.figures.depth = scene.highest() - scene.lowest();
-  rtt.figures.mean_albedo = meanAlbedo(rtt.texture);
+  rtt.figures.mean_albedo = meanAlbedo(rtt.texture, seen);
   return rtt;
 }
 

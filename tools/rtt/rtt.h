@@ -26,15 +26,17 @@ struct Options {
   bool masking = true;
   std::optional<int> bounces = {};  // nothing: all of them
   int bounce_directions = 256;      // over the sphere
+  int glossy_samples = 16;          // of each look at a glossy surface
   double element = 1;               // longest edge of what light is solved on, in texels
 };
 
 struct Figures {
   std::uint64_t surface_triangles = 0, surface_points = 0;
-  double element = 0;  // longest edge of what light was solved on, in texels: as asked for, or longer
-  std::uint64_t rays = 0;
-  double hole_share = 0;    // of the rays of all views that meet no surface
-  double inside_share = 0;  // of them, that meet the inside of a closed part
+  double element = 0;      // longest edge of what light was solved on, in texels: as asked for, or longer
+  std::uint64_t rays = 0;  // all of them
+  std::uint64_t glossy_rays = 0;  // that glossy surfaces mirror
+  double hole_share = 0;          // of the rays of all views that meet no surface
+  double inside_share = 0;        // of them, that meet the inside of a closed part
   std::uint64_t form_factors = 0, buried_points = 0;
   std::optional<transport::InterreflectionReport> bounced;
   double tree_s = 0, direct_s = 0, seeing_s = 0, solving_s = 0, views_s = 0;  // what took how long

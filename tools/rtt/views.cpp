@@ -3,18 +3,21 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <span>
 #include <vector>
 
+#include "tools/rtt/glossy_samples.h"
 #include "tools/rtt/view_rays.h"
 #include "transport/hemisphere_grid.h"
 #include "transport/multiversioned.h"
+#include "transport/sh.h"
 
 namespace bakelight::rtt {
 namespace {
 
+using formats::Float3;
 using transport::Vec3;
+using transport::vec3;
 
 // Of three colors, each `count` values; `stride` from one to the next in the row.
 BAKELIGHT_MULTIVERSIONED void addTinted(const float* row, std::size_t stride, std::size_t count,
@@ -24,80 +27,187 @@ BAKELIGHT_MULTIVERSIONED void addTinted(const float* row, std::size_t stride, st
       sums[channel * count + i] += tint[channel] * row[channel * stride + i];
 }
 
+// What all rows of all views share.
+struct Setting {
+  const patch::PatchGeometry& geometry;
+  const transport::PeriodicRayScene& scene;
+  const SurfaceLight& light;
+  const ViewOptions& options;
+  GlossyReflection reflection;
+  int glossy_samples = 0;  // of each look
+  double offset = 0;       // of rays that leave the surface
+  bool plain = false;      // of one albedo
+};
+
+Setting settingOf(const patch::PatchGeometry& geometry, const transport::PeriodicRayScene& scene,
+                  const SurfaceLight& light, const ViewOptions& options) {
+  Setting setting{geometry, scene, light, options, GlossyReflection(geometry.reflection)};
+  setting.glossy_samples = setting.reflection.sampleCount(options.glossy_samples);
+  setting.offset = transport::surfaceOffset(geometry.mesh, transport::kDefaultBias);
+  setting.plain = geometry.mesh.colors.empty() && geometry.texture.values.empty();
+  return setting;
+}
+
+// Responses, by what rays meet.
+class Looks {
+ public:
+  Looks(const Setting& setting, std::size_t coefficients) : setting_(setting), coefficients_(coefficients) {}
+
+  transport::FreeRays rays;
+
+  void trace() {
+    if (hits_.blocked.size() < rays.size()) hits_ = transport::HitBundle(rays.size());
+    setting_.scene.nearestHits(rays, hits_);
+  }
+  bool met(std::size_t ray) const { return hits_.blocked[ray] != 0; }
+
+  // Adds the diffuse part of what is met, times `tint`. False for the inside of a closed part.
+  bool addDiffuse(std::size_t ray, const Float3& tint, std::span<float> response) const {
+    const std::uint32_t triangle = hits_.triangle[ray];
+    const float u = hits_.u[ray], v = hits_.v[ray];
+    const Float3 albedo =
+        setting_.plain ? setting_.geometry.albedo : setting_.geometry.albedoAt(triangle, u, v);
+    const std::array<float, 3> weights = {1 - u - v, u, v};
+    const SurfaceLight& light = setting_.light;
+    const auto side = static_cast<std::uint32_t>(hits_.back_face[ray] != 0 ? light.sides.vertices : 0);
+    const std::size_t stride = light.channels == 3 ? coefficients_ : 0;
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const float* row = light.row(setting_.geometry.mesh.triangles[triangle][corner] + side);
+      if (row == nullptr) return false;
+      const Float3 weight = {weights[corner] * albedo[0] * tint[0], weights[corner] * albedo[1] * tint[1],
+                             weights[corner] * albedo[2] * tint[2]};
+      addTinted(row, stride, coefficients_, weight.data(), response.data());
+    }
+    return true;
+  }
+
+  struct Place {
+    Vec3 position, normal, facet;  // to the side that was met
+  };
+  Place placeOf(std::size_t ray) const {
+    const formats::TriangleMesh& mesh = setting_.geometry.mesh;
+    const formats::Triangle& corners = mesh.triangles[hits_.triangle[ray]];
+    const std::array<double, 3> weights = {1.0 - hits_.u[ray] - hits_.v[ray], hits_.u[ray], hits_.v[ray]};
+    std::array<Vec3, 3> p;
+    Place place{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+    for (std::size_t i = 0; i < 3; ++i) {
+      p[i] = vec3(mesh.positions[corners[i]]);
+      place.position += weights[i] * p[i];
+      place.normal += weights[i] * vec3(mesh.normals[corners[i]]);
+    }
+    const double side = hits_.back_face[ray] != 0 ? -1 : 1;
+    place.facet = side * (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+    place.normal = place.normal.norm() > 0 ? Vec3(side * place.normal.normalized()) : place.facet;
+    return place;
+  }
+
+ private:
+  const Setting& setting_;
+  std::size_t coefficients_;
+  transport::HitBundle hits_;
+};
+
 // A row of texels towards one view.
 class RowOfTexels {
  public:
-  RowOfTexels(const patch::PatchGeometry& geometry, const transport::PeriodicRayScene& scene,
-              const SurfaceLight& light, int supersampling)
-      : geometry_(geometry), scene_(scene), light_(light), supersampling_(supersampling) {}
+  RowOfTexels(const Setting& setting, const formats::RadianceTransferTexture& texture)
+      : setting_(setting),
+        order_(texture.order),
+        views_(setting, texture.coefficientCount()),
+        mirrored_(setting, texture.coefficientCount()),
+        basis_(texture.coefficientCount()),
+        floats_(texture.coefficientCount()) {}
 
   ViewFigures render(const Vec3& view, int column, int row, int y,
                      formats::RadianceTransferTexture& texture) {
-    rays_.clear();
-    rowOfViewRays(geometry_, scene_, view, {texture.width, texture.height, supersampling_}, y, rays_);
-    hits_ = transport::HitBundle(rays_.size());
-    scene_.nearestHits(rays_, hits_);
-    ViewFigures figures{rays_.size()};
-    const std::size_t samples = static_cast<std::size_t>(supersampling_) * supersampling_;
+    const int supersampling = setting_.options.supersampling;
+    rowOfViewRays(setting_.geometry, setting_.scene, setting_.options.masking ? view : Vec3(0, 0, 1),
+                  {texture.width, texture.height, supersampling}, y, views_.rays);
+    views_.trace();
+    ViewFigures figures{.rays = views_.rays.size()};
+    const std::size_t samples = static_cast<std::size_t>(supersampling) * supersampling;
     for (int x = 0; x < texture.width; ++x) {
       const std::span<float> response = texture.response(column, row, x, y);
+      mirrored_.rays.clear(), weights_.clear(), directions_.clear();
       for (std::size_t s = 0; s < samples; ++s) {
         const std::size_t ray = static_cast<std::size_t>(x) * samples + s;
-        if (hits_.blocked[ray] == 0)
+        if (!views_.met(ray)) {
           ++figures.through;
-        else if (!add(ray, response))
+        } else if (!views_.addDiffuse(ray, {1, 1, 1}, response)) {
           ++figures.inside;
+        } else if (setting_.glossy_samples > 0) {
+          const auto texel =
+              static_cast<std::uint64_t>(texture.offset(column, row, x, y)) / texture.responseSize();
+          mirror(ray, view, texel * samples + s);
+        }
       }
+      if (!weights_.empty()) addMirrored(response), figures.glossy_rays += mirrored_.rays.size();
       for (float& value : response) value /= static_cast<float>(samples);
+      for (std::size_t c = 0; c < 3; ++c)
+        figures.weighted_sums[c] += view.z() * response[c * texture.coefficientCount()];
     }
     return figures;
   }
 
  private:
-  // False for the inside of a closed part.
-  bool add(std::size_t ray, std::span<float> response) const {
-    const std::uint32_t triangle = hits_.triangle[ray];
-    const float u = hits_.u[ray], v = hits_.v[ray];
-    const formats::Float3 albedo = geometry_.albedoAt(triangle, u, v);
-    const std::array<float, 3> weights = {1 - u - v, u, v};
-    const auto side = static_cast<std::uint32_t>(hits_.back_face[ray] != 0 ? light_.sides.vertices : 0);
-    const std::size_t count = light_.coefficients;
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      const float* row = light_.row(geometry_.mesh.triangles[triangle][corner] + side);
-      if (row == nullptr) return false;
-      const std::array<float, 3> tint = {weights[corner] * albedo[0], weights[corner] * albedo[1],
-                                         weights[corner] * albedo[2]};
-      addTinted(row, light_.channels == 3 ? count : 0, count, tint.data(), response.data());
+  void mirror(std::size_t ray, const Vec3& view, std::uint64_t element) {
+    const Looks::Place place = views_.placeOf(ray);
+    found_.clear();
+    setting_.reflection.sample(place.normal, view, setting_.glossy_samples, element, found_);
+    for (const GlossySample& sample : found_) {
+      if (sample.incoming.dot(place.facet) <= 0 || sample.weight.isZero()) continue;
+      mirrored_.rays.push(place.position + setting_.offset * place.facet, sample.incoming);
+      directions_.push_back(sample.incoming);
+      weights_.push_back(transport::float3(sample.weight / setting_.glossy_samples));
     }
-    return true;
   }
 
-  const patch::PatchGeometry& geometry_;
-  const transport::PeriodicRayScene& scene_;
-  const SurfaceLight& light_;
-  int supersampling_;
-  transport::FreeRays rays_;
-  transport::HitBundle hits_;
+  void addMirrored(std::span<float> response) {
+    if (setting_.options.shadows) mirrored_.trace();
+    for (std::size_t i = 0; i < weights_.size(); ++i) {
+      if (setting_.options.shadows && mirrored_.met(i)) {
+        if (setting_.options.bounces) mirrored_.addDiffuse(i, weights_[i], response);
+      } else if (directions_[i].z() > 0) {
+        transport::evaluateSh(order_, directions_[i], basis_);
+        std::transform(basis_.begin(), basis_.end(), floats_.begin(),
+                       [](double y) { return static_cast<float>(y); });
+        addTinted(floats_.data(), 0, floats_.size(), weights_[i].data(), response.data());
+      }
+    }
+  }
+
+  const Setting& setting_;
+  int order_;
+  Looks views_, mirrored_;
+  std::vector<GlossySample> found_;
+  std::vector<Float3> weights_;
+  std::vector<Vec3> directions_;
+  std::vector<double> basis_;
+  std::vector<float> floats_;
 };
 
 }  // namespace
 
 ViewFigures renderViews(const patch::PatchGeometry& geometry, const transport::PeriodicRayScene& scene,
-                        const SurfaceLight& light, int supersampling, bool masking,
+                        const SurfaceLight& light, const ViewOptions& options,
                         const std::function<void()>& progress, formats::RadianceTransferTexture& texture) {
   texture.allocate();
+  const Setting setting = settingOf(geometry, scene, light, options);
   const auto rows = static_cast<std::size_t>(texture.height);
   std::vector<ViewFigures> parts(texture.viewCount() * rows);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
     const int view = static_cast<int>(part / rows), y = static_cast<int>(part % rows);
     const int column = view % texture.views, row = view / texture.views;
-    const Vec3 towards = masking ? transport::hemisphereCell(texture.views, column, row) : Vec3(0, 0, 1);
-    parts[part] = RowOfTexels(geometry, scene, light, supersampling).render(towards, column, row, y, texture);
+    parts[part] = RowOfTexels(setting, texture)
+                      .render(transport::hemisphereCell(texture.views, column, row), column, row, y, texture);
     if (y == 0) progress();
   });
   ViewFigures figures;
-  for (const ViewFigures& part : parts)
+  for (const ViewFigures& part : parts) {
     figures.rays += part.rays, figures.through += part.through, figures.inside += part.inside;
+    figures.glossy_rays += part.glossy_rays;
+    for (std::size_t c = 0; c < 3; ++c) figures.weighted_sums[c] += part.weighted_sums[c];
+  }
   return figures;
 }
 

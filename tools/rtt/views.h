@@ -1,6 +1,7 @@
 // Pictures of a patch towards all views, through its mid-plane (Sloan, Liu, Shum & Snyder 2003, section 4.2).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 
@@ -11,18 +12,29 @@
 
 namespace bakelight::rtt {
 
-struct ViewFigures {
-  std::uint64_t rays = 0;
-  std::uint64_t through = 0;  // that met nothing: they went through a hole
-  std::uint64_t inside = 0;   // that met the inside of a closed part, which is dark
+struct ViewOptions {
+  int supersampling = 2;    // points a texel, a side
+  bool masking = true;      // without, all views see what lies straight below or above the point
+  bool shadows = true;      // without, all of the sky is mirrored
+  bool bounces = true;      // without, the surface mirrors the sky alone, not itself
+  int glossy_samples = 16;  // directions that each look at a glossy surface goes on to
 };
 
-// Fills `texture`, whose sizes, order and views are set. Of each texel supersampling² points, evenly spaced, are
-// looked at along each view; without `masking` all views see what lies straight below or above the point. What goes
-// through a hole adds nothing. `progress` is told of views that are done. Threads by TBB, same bytes for any
-// number.
+struct ViewFigures {
+  std::uint64_t rays = 0;         // of views
+  std::uint64_t through = 0;      // of them, that met nothing: they went through a hole
+  std::uint64_t inside = 0;       // that met the inside of a closed part, which is dark
+  std::uint64_t glossy_rays = 0;  // from glossy surfaces
+  // Of the responses to the first harmonic, by their view's cosine.
+  std::array<double, 3> weighted_sums = {};
+};
+
+// Fills `texture`, whose sizes, order and views are set. Of each texel evenly spaced points are looked at along each
+// view. What goes through a hole adds nothing. Glossy surfaces mirror the sky and what the surface sends on diffusely:
+// light that is mirrored twice is left out. `progress` is told of views that are done. Threads by TBB, same bytes for
+// any number.
 ViewFigures renderViews(const patch::PatchGeometry& geometry, const transport::PeriodicRayScene& scene,
-                        const SurfaceLight& light, int supersampling, bool masking,
+                        const SurfaceLight& light, const ViewOptions& options,
                         const std::function<void()>& progress, formats::RadianceTransferTexture& texture);
 
 }  // namespace bakelight::rtt
