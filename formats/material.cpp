@@ -105,13 +105,9 @@ Patch patchFrom(const JsonReader& object, const FileResolver& files) {
   }
   if (const auto albedo = object.find("albedo")) patch.albedo = albedo->float3(kShare);
   object.refuseOthers();
-  if (!patch.hasSurface() && patch.file.empty())
+  if (!patch.hasSurface())
     throw object.error("it has neither a picture nor a surface",
                        "\"file\": a picture, \"height\": a picture of heights, or \"geometry\": a mesh");
-  for (const char* key : {"texture", "albedo"})
-    if (object.has(key) && !patch.hasSurface())
-      throw object.at(key).error("it is of the patch's surface, and there is none",
-                                 "with \"height\" or \"geometry\"");
   return patch;
 }
 

@@ -82,7 +82,8 @@ struct Patch {
   std::filesystem::path texture = {};
   std::optional<Float3> albedo = {};
 
-  bool hasSurface() const { return height || geometry; }
+  // Flat, with the picture as its colors, where there is neither height nor geometry.
+  bool hasSurface() const { return height || geometry || !file.empty() || !texture.empty(); }
   bool operator==(const Patch&) const = default;
 };
 

@@ -1,5 +1,7 @@
 #include "patch/read_patch.h"
 
+#include <algorithm>
+#include <numeric>
 #include <stdexcept>
 
 #include "formats/color_picture.h"
@@ -30,6 +32,21 @@ PatchGeometry readMeshPatch(const formats::Patch& patch) {
   return geometry;
 }
 
+// Of a flat patch the picture that is laid out is its colors.
+std::filesystem::path pictureOf(const formats::Patch& patch) {
+  const bool is_flat = !patch.height && !patch.geometry;
+  return patch.texture.empty() && is_flat ? patch.file : patch.texture;
+}
+
+// As wide as its picture is to its height: triangles for each texel would say no more.
+PatchGeometry flatPatch(const formats::Patch& patch) {
+  const std::filesystem::path file = pictureOf(patch);
+  const Image picture = formats::readImage(file);
+  const int factor = std::gcd(std::max(picture.width, 1), std::max(picture.height, 1));
+  return heightField(Image(4 * picture.width / factor, 4 * picture.height / factor, {"height"}), 0,
+                     patch.periodic, file.string());
+}
+
 void clampToReflectance(Image& picture, const std::string& name, std::vector<std::string>& notes) {
   std::size_t beyond = 0;
   for (float& value : picture.values)
@@ -41,14 +58,14 @@ void clampToReflectance(Image& picture, const std::string& name, std::vector<std
 
 void giveAlbedo(const formats::Material& material, PatchGeometry& geometry) {
   const formats::Patch& patch = *material.patch;
-  if (!patch.texture.empty()) {
-    formats::ColorPicture picture =
-        formats::readColorPicture(patch.texture, formats::PictureUse::kReflectance);
+  const std::filesystem::path file = pictureOf(patch);
+  if (!file.empty()) {
+    formats::ColorPicture picture = formats::readColorPicture(file, formats::PictureUse::kReflectance);
     geometry.notes.insert(geometry.notes.end(), picture.notes.begin(), picture.notes.end());
-    clampToReflectance(picture.image, patch.texture.string(), geometry.notes);
+    clampToReflectance(picture.image, file.string(), geometry.notes);
     geometry.texture = std::move(picture.image);
   }
-  const bool is_own = patch.albedo || !patch.texture.empty();
+  const bool is_own = patch.albedo || !file.empty();
   if (is_own) geometry.mesh.colors.clear();
   if (patch.albedo)
     geometry.albedo = *patch.albedo;
@@ -60,8 +77,10 @@ void giveAlbedo(const formats::Material& material, PatchGeometry& geometry) {
 
 PatchGeometry readPatch(const formats::Material& material) {
   if (!material.patch || !material.patch->hasSurface()) throw std::logic_error("a patch without a surface");
-  PatchGeometry geometry =
-      material.patch->height ? readHeightField(*material.patch) : readMeshPatch(*material.patch);
+  const formats::Patch& patch = *material.patch;
+  PatchGeometry geometry = patch.height     ? readHeightField(patch)
+                           : patch.geometry ? readMeshPatch(patch)
+                                            : flatPatch(patch);
   giveAlbedo(material, geometry);
   geometry.reflection = material.reflection;
   return geometry;

@@ -1,4 +1,4 @@
-// What a user does with the recipe biscale: a patch laid out over a mesh, down to the id map; a mesh whose texture
+// What a user does with the recipe biscale: a patch laid out over a mesh, down to the id map, and shaded from a pack; a mesh whose texture
 // coordinates are the index themselves; materials with patches of their own.
 #include <gtest/gtest.h>
 
@@ -9,6 +9,8 @@
 #include "formats/index_image.h"
 #include "formats/json.h"
 #include "formats/meso_mesh.h"
+#include "formats/pack.h"
+#include "formats/rtt_reflection.h"
 #include "tests/support/exemplars.h"
 #include "tests/support/shell.h"
 #include "tests/support/temporary_folder.h"
@@ -35,7 +37,10 @@ class BiscaleRecipe : public testing::Test {
                        {"stages",
                         {{"simplify", {{"triangles", 384}}},
                          {"atlas", {{"resolution", 256}}},
-                         {"mesomesh", {{"vertices", 8000}}}}}};
+                         {"mesomesh", {{"vertices", 8000}}},
+                         {"rtt", {{"resolution", 16}, {"views", 3}}},
+                         {"transfer", {{"directions", 512}, {"clusters", 4}}},
+                         {"frame", {{"width", 160}, {"height", 120}}}}}};
     std::ofstream(asset / "asset.json") << json;
     return shell(kBin + "/bakelight run '" + asset.string() + "' --out '" + (folder_ / "out").string() +
                  "' " + options);
@@ -52,7 +57,17 @@ TEST_F(BiscaleRecipe, LaysThePatchOutAndMapsIt) {
   const formats::MesoMesh meso = formats::readMesoMesh(out("meso.ply"));
   EXPECT_NEAR(static_cast<double>(meso.mesh.vertexCount()), 8000, 400);
   EXPECT_EQ(meso.mesh.colors.size(), meso.mesh.vertexCount());
+  const formats::Pack pack = formats::readPack(out("tube.glb"));
+  const auto* rtt = pack.appearances.front().reflection.as<formats::RttReflection>();
+  ASSERT_NE(rtt, nullptr);
+  EXPECT_EQ(rtt->width, 16);
+  ASSERT_TRUE(rtt->index);
+  EXPECT_EQ(rtt->index->width, 256);
+  EXPECT_EQ(formats::readImage(out("frame.png")).width, 160);
+  // The width that texels have for synthesis, found again in the meso-mesh's places.
   const Json figures = record().at("stages").at("mesomesh").at("stats");
+  EXPECT_NEAR(rtt->patch_width, 32 * figures.at("patches")[0].at("texel_size").get<double>(),
+              0.1 * rtt->patch_width);
   EXPECT_GT(figures.at("coverage"), 0.8);
   EXPECT_GT(figures.at("coherent_share"), 0.4);
 

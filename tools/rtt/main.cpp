@@ -69,7 +69,10 @@ void warnOf(const NamedMaterial& each, const rtt::Figures& figures, const rtt::O
             stage::Run& run) {
   constexpr double kSeldom = 1e-3;
   const formats::Patch& patch = *each.material->patch;
-  const std::string file = (patch.height ? patch.height->file : patch.geometry->file).string();
+  const std::string file = (patch.height     ? patch.height->file
+                            : patch.geometry ? patch.geometry->file
+                                             : patch.file)
+                               .string();
   if (figures.inside_share > kSeldom)
     run.warn(file + ": " + std::to_string(100 * figures.inside_share) +
              " % of what views meet is the inside of closed parts, and black: are faces turned inside out?");

@@ -100,8 +100,9 @@ TEST(Material, PatchMayBeASurface) {
               HasSubstr("/patch/geometry"));
   EXPECT_THAT(problemOf(R"({ "patch": { "geometry": { "file": "w.ply", "period": [0, 1] } } })"),
               HasSubstr("/patch/geometry/period/0"));
-  EXPECT_THAT(problemOf(R"({ "patch": { "file": "w.png", "albedo": [1, 1, 1] } })"),
-              HasSubstr("/patch/albedo"));
+  EXPECT_THAT(problemOf(R"({ "patch": { "albedo": [1, 1, 1] } })"),
+              HasSubstr("neither a picture nor a surface"));
+  EXPECT_TRUE(materialsOf(R"({ "patch": { "file": "w.png" } })").base.patch->hasSurface());  // a flat one
 }
 
 TEST(Material, OfSomeFacesHasAName) {
