@@ -102,9 +102,14 @@ formats::RttReflection texturedReflection(const formats::RadianceTransferTexture
   formats::RttReflection reflection = packRtt(texture, options.rtt, files.rtt).reflection;
   const auto given = patches.widths.find(texture.material);
   const double unit = transport::surfaceUnitOf(mesh);
-  const double width = given == patches.widths.end() ? unit : given->second;
+  double width = given == patches.widths.end() ? unit : given->second;
+  if (!patches.id_map) {
+    // Whole patches to a unit of texture coordinates, so that what is closed by them stays so.
+    const double repeats = unit / width < 1 ? unit / width : std::round(unit / width);
+    reflection.repeats = static_cast<float>(repeats);
+    width = unit / repeats;
+  }
   reflection.patch_width = static_cast<float>(width);
-  if (!patches.id_map) reflection.repeats = static_cast<float>(unit / width);
   if (patches.id_map && with_index) reflection.index = packIndex(*patches.id_map);
   return reflection;
 }

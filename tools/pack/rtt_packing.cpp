@@ -108,6 +108,16 @@ PatchSources readPatchSources(const std::filesystem::path& rtt, const std::files
   return sources;
 }
 
+std::map<std::string, double> patchWidths(const formats::Materials& materials) {
+  std::map<std::string, double> widths;
+  const auto add = [&](const std::string& name, const formats::Material& material) {
+    if (material.patch && material.patch->width) widths[name] = *material.patch->width;
+  };
+  add("", materials.base);
+  for (const auto& [name, material] : materials.by_name) add(name, material);
+  return widths;
+}
+
 PackedRtt packRtt(const RadianceTransferTexture& texture, const RttPackingOptions& options,
                   const std::string& file) {
   const Eigen::Index texels = static_cast<Eigen::Index>(texture.texelCount()),

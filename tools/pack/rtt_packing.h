@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/index_image.h"
+#include "formats/material.h"
 #include "formats/radiance_transfer_texture.h"
 #include "formats/rtt_reflection.h"
 
@@ -23,6 +24,9 @@ struct PatchSources {
 };
 // `id_map` may be empty. Throws Error(kBadInput) as the readers of both files.
 PatchSources readPatchSources(const std::filesystem::path& rtt, const std::filesystem::path& id_map);
+
+// Those that materials ask for, by their names.
+std::map<std::string, double> patchWidths(const formats::Materials& materials);
 
 struct RttPackingOptions {
   // Principal components are taken until what they leave is less: relative root mean square over all coefficients, views and
