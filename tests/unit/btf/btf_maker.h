@@ -180,17 +180,18 @@ class BtfMaker {
     return stored(rgb)[c];
   }
 
-  // rows × columns = that · identity, or the transpose: exact, of full rank.
+  // rows × columns, as that · identity or identity · that: exact, of full rank.
   void addMatrix(std::size_t rows, std::size_t columns,
                  const std::function<double(std::size_t, std::size_t)>& value) {
-    add(static_cast<std::uint32_t>(columns));
+    const std::size_t rank = std::min(rows, columns);
+    add(static_cast<std::uint32_t>(rank));
     add(static_cast<std::uint32_t>(rows));
     add(static_cast<std::uint32_t>(columns));
-    for (std::size_t k = 0; k < columns; ++k) addNumber(1);
+    for (std::size_t k = 0; k < rank; ++k) addNumber(1);
     for (std::size_t i = 0; i < rows; ++i)
-      for (std::size_t k = 0; k < columns; ++k) addNumber(value(i, k));
+      for (std::size_t k = 0; k < rank; ++k) addNumber(rank == columns ? value(i, k) : i == k ? 1 : 0);
     for (std::size_t i = 0; i < columns; ++i)
-      for (std::size_t k = 0; k < columns; ++k) addNumber(i == k ? 1 : 0);
+      for (std::size_t k = 0; k < rank; ++k) addNumber(rank < columns ? value(k, i) : i == k ? 1 : 0);
   }
   void addDecorrelated() {
     const auto texels = static_cast<std::size_t>(made_.texelCount());

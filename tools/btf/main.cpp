@@ -1,0 +1,192 @@
+// btf: a measured material as a radiance transfer texture, and as a `.btf` file.
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include "formats/btf_pictures.h"
+#include "formats/btf_writer.h"
+#include "formats/error.h"
+#include "formats/radiance_transfer_texture.h"
+#include "tools/btf/crop.h"
+#include "tools/btf/projection.h"
+#include "tools/btf/rewriting.h"
+#include "tools/stage/stage.h"
+
+using namespace bakelight;
+
+namespace {
+
+constexpr formats::Word<btf::Cosine> kCosines[] = {{"as_file_says", btf::Cosine::kAsFileSays},
+                                                   {"inside", btf::Cosine::kInside},
+                                                   {"outside", btf::Cosine::kOutside}};
+constexpr formats::Word<formats::BtfPictureColors> kColors[] = {
+    {"auto", formats::BtfPictureColors::kAutomatic}, {"xyz", formats::BtfPictureColors::kXyz}};
+constexpr formats::Word<btf::Layout> kLayouts[] = {{"factorized", btf::Layout::kFactorized},
+                                                   {"raw", btf::Layout::kRaw}};
+constexpr formats::Word<formats::BtfColorModel> kModels[] = {
+    {"yuv", formats::BtfColorModel::kYuv},
+    {"rgb", formats::BtfColorModel::kRgb},
+    {"ycocg", formats::BtfColorModel::kYCoCg},
+    {"log_yuv", formats::BtfColorModel::kLogYRelativeUv},
+    {"log_rgb", formats::BtfColorModel::kLogRgb}};
+constexpr formats::Word<bool> kPrecisions[] = {{"half", false}, {"float", true}};
+
+struct Options {
+  std::filesystem::path measured, rtt, written;
+  formats::BtfPictureOptions pictures;
+  btf::ProjectionOptions projection;
+  btf::RewritingOptions rewriting;
+  btf::Crop crop;
+  std::optional<double> scale;
+  int resolution = 64;
+  bool is_float = false;
+  std::string material;
+};
+
+void declare(stage::Tool& tool, Options& options) {
+  constexpr int kMostTexels = 65536;
+  tool.input("measured", "btf", options.measured, "A .btf file, or a folder or zip of pictures")
+      .input("table", "table", options.pictures.table,
+             "Directions of pictures whose names do not state them (JSON, CSV)", false)
+      .output("rtt", "rtt", options.rtt, "The radiance transfer texture (EXR)", false)
+      .output("written", "btf", options.written, "What is left of it as a .btf file", false)
+      .parameter("views", options.projection.views, {1, 64}, "",
+                 "A side of the texture's grid of views; 1 is the mean over views")
+      .parameter("order", options.projection.order, {1, 10}, "SH bands", "Of the texture")
+      .parameter("resolution", options.resolution, {1, 8192}, "texels",
+                 "Longer side at most: so many texels as it takes are averaged to one")
+      .parameter("left", options.crop.left, {0, kMostTexels}, "texels", "Where the part that is kept begins")
+      .parameter("top", options.crop.top, {0, kMostTexels}, "texels", "Where the part that is kept begins")
+      .parameter("width", options.crop.width, {0, kMostTexels}, "texels", "Of the part that is kept; 0: all")
+      .parameter("height", options.crop.height, {0, kMostTexels}, "texels",
+                 "Of the part that is kept; 0: all")
+      .parameter("scale", options.scale, stage::Tool::Words{{"auto", std::nullopt}}, {1e-9, 1e9},
+                 "Times values it is reflectance per steradian; auto: 1 for .btf, 1/pi for pictures, in "
+                 "which a white "
+                 "diffuser then has the value 1")
+      .parameter("cosine", options.projection.cosine, kCosines,
+                 "Whether the cosine of light is in the values already; pictures say inside")
+      .parameter("clockwise", options.projection.clockwise,
+                 "Azimuths run from the pictures' right towards their bottom, not their top")
+      .parameter("picture_colors", options.pictures.colors, kColors, "What the channels of pictures are")
+      .parameter("material", options.material, std::vector<std::string>{},
+                 "Whose patch it is: the material's name in the texture")
+      .parameter("layout", options.rewriting.layout, kLayouts, "Of the written .btf")
+      .parameter("color_model", options.rewriting.model, kModels, "Of a factorized .btf")
+      .parameter("rank", options.rewriting.rank, {1, 1024}, "",
+                 "Products a channel of a factorized .btf at most")
+      .parameter("precision", options.is_float, kPrecisions, "Of texture and factorized .btf");
+}
+
+std::shared_ptr<const formats::Btf> opened(Options& options, stage::Run& run) {
+  const bool is_pictures = formats::isPictureSet(options.measured);
+  if (!is_pictures && !options.pictures.table.empty())
+    throw badInput({options.pictures.table.string(), "", ""},
+                   "a table of directions is given for a .btf file", "one for a folder or zip of pictures");
+  std::shared_ptr<const formats::Btf> btf = is_pictures
+                                                ? formats::openBtfPictures(options.measured, options.pictures)
+                                                : formats::openBtf(options.measured);
+  for (const std::string& note : btf->info().notes) run.warn(note);
+  options.projection.scale = options.scale.value_or(is_pictures ? 1 / std::numbers::pi : 1);
+  if (is_pictures && !options.scale && !options.rtt.empty())
+    run.warn("values of pictures are taken relative to a white diffuser: they are divided by pi (scale)");
+  return btf;
+}
+
+std::shared_ptr<const formats::Btf> reduced(const std::shared_ptr<const formats::Btf>& btf,
+                                            const Options& options, stage::Run& run) {
+  btf::Crop crop = options.crop;
+  const auto extent = [](int begin, int size, int all) {
+    return std::min(size > 0 ? size : all, all - begin);
+  };
+  const int longer = std::max(extent(crop.left, crop.width, btf->info().width),
+                              extent(crop.top, crop.height, btf->info().height));
+  crop.shrink = std::max((longer + options.resolution - 1) / options.resolution, 1);
+  int dropped = 0;
+  auto result = btf::cropped(btf, crop, &dropped);
+  if (dropped > 0)
+    run.warn(std::to_string(dropped) + " texels at the right and the bottom are left out: they do not fill " +
+             std::to_string(crop.shrink) + " × " + std::to_string(crop.shrink));
+  run.stat("texels_averaged", crop.shrink * crop.shrink);
+  run.stat("texels_left_out", dropped);
+  return result;
+}
+
+void describe(const formats::Btf& btf, stage::Run& run) {
+  const formats::BtfInfo& info = btf.info();
+  std::size_t pictures = 0;
+  for (std::size_t v = 0; v < info.views.size(); ++v) pictures += btf.lightsOf(static_cast<int>(v)).size();
+  run.stat("layout", info.layout);
+  run.stat("views", info.views.size());
+  run.stat("lights", info.lights.size());
+  run.stat("pictures", pictures);
+  run.stat("missing_pictures", info.views.size() * info.lights.size() - pictures);
+  run.stat("width_texels", info.width);
+  run.stat("height_texels", info.height);
+  run.stat("cosine_inside", info.cosine_inside);
+  run.stat("file_bytes", info.bytes);
+  run.stat("expanded_bytes", 12.0 * static_cast<double>(pictures) * static_cast<double>(btf.texelCount()));
+}
+
+void projectTexture(const formats::Btf& btf, const Options& options, stage::Run& run) {
+  stage::Progress progress = run.progress("projecting", btf.info().views.size(), "views");
+  btf::Projected projected = btf::project(btf, options.projection, [&] { progress.advance(); });
+  projected.texture.material = options.material;
+  formats::writeRadianceTransferTextures(
+      options.rtt, std::span(&projected.texture, 1),
+      options.is_float ? formats::ExrPrecision::kFloat : formats::ExrPrecision::kHalf);
+  const btf::ProjectionFigures& figures = projected.figures;
+  run.stat("scale", options.projection.scale);
+  run.stat("interpolated_jointly", figures.is_joint);
+  run.stat("views_left_out", figures.views_left_out);
+  run.stat("view_gap_deg", figures.view_gap_deg);
+  run.stat("light_gap_deg", figures.light_gap_deg);
+  run.stat("mean_radiance_under_uniform_sky", figures.mean_radiance);
+  run.stat("largest_view_radiance_under_uniform_sky", figures.largest_view_radiance);
+  run.stat("view_dependence", figures.view_dependence);
+  constexpr double kWide_deg = 45;
+  if (std::max(figures.view_gap_deg, figures.light_gap_deg) > kWide_deg)
+    run.warn("directions leave gaps of " + std::to_string(figures.view_gap_deg) + "° (views) and " +
+             std::to_string(figures.light_gap_deg) + "° (lights): what lies within is a guess");
+  if (figures.views_left_out > 0)
+    run.warn(std::to_string(figures.views_left_out) +
+             " views are left out: pictures under half of the lights are missing");
+  if (figures.largest_view_radiance > 1 + 1e-3)
+    run.warn("under a sky of 1 it reflects " + std::to_string(figures.largest_view_radiance) +
+             " towards a view, more than it receives: scale or cosine may be meant otherwise");
+}
+
+void rewrite(const formats::Btf& btf, Options& options, stage::Run& run) {
+  options.rewriting.precision =
+      options.is_float ? formats::BtfPrecision::kFloat : formats::BtfPrecision::kHalf;
+  const btf::RewritingFigures figures = btf::rewrite(btf, options.written, options.rewriting);
+  run.stat("written_bytes", figures.bytes);
+  run.stat("written_error", figures.relative_error);
+  if (options.rewriting.layout == btf::Layout::kFactorized) {
+    run.stat("ranks", figures.ranks);
+    run.stat("channel_errors", figures.channel_errors);
+  }
+  if (figures.negative_values > 0)
+    run.warn(std::to_string(figures.negative_values) +
+             " negative values are written as 0: the colour model has none");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  stage::Tool tool(
+      "btf",
+      "Reads a measured BTF, projects it to a radiance transfer texture and writes it as a .btf file.");
+  declare(tool, options);
+  return tool.run(argc, argv, [&](stage::Run& run) {
+    const std::shared_ptr<const formats::Btf> measured = opened(options, run);
+    describe(*measured, run);
+    const std::shared_ptr<const formats::Btf> kept = reduced(measured, options, run);
+    if (!options.rtt.empty()) projectTexture(*kept, options, run);
+    if (!options.written.empty()) rewrite(*kept, options, run);
+  });
+}
