@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 #include <variant>
@@ -10,7 +11,10 @@
 #include "formats/file.h"
 #include "formats/material.h"
 #include "tools/brdf/brdf.h"
+#include "tools/brdf/measured.h"
 #include "tools/brdf/merl.h"
+#include "tools/brdf/tensor_bsdf.h"
+#include "tools/brdf/utia.h"
 #include "tools/stage/stage.h"
 
 using namespace bakelight;
@@ -38,6 +42,26 @@ std::map<std::string, formats::Reflection> reflectionsOf(const std::filesystem::
   return result;
 }
 
+struct MeasuredFile {
+  std::filesystem::path path;
+  brdf::MeasuredBrdf (*read)(std::span<const std::byte> bytes, const std::string& file);
+};
+
+brdf::MeasuredBrdf readMerl(std::span<const std::byte> bytes, const std::string& file) {
+  return {.brdf = brdf::readMerl(bytes, file), .notes = {}};
+}
+
+brdf::MeasuredBrdf readMeasured(const MeasuredFile& file, stage::Run& run) {
+  brdf::MeasuredBrdf measured = file.read(formats::readFile(file.path), file.path.string());
+  for (const std::string& note : measured.notes) run.warn(note);
+  constexpr double kNoticed = 0.01;
+  if (measured.anisotropy > kNoticed)
+    run.warn("it is anisotropic: its mean over turns about the normal is projected, of which it differs by " +
+             std::to_string(measured.anisotropy) + " (relative RMS)");
+  run.stat("anisotropy", measured.anisotropy);
+  return measured;
+}
+
 // Tells what is wrong with a projection of the material `name`.
 void judge(const brdf::Projection& projection, double largest_albedo, const std::string& name,
            stage::Run& run) {
@@ -52,13 +76,16 @@ void judge(const brdf::Projection& projection, double largest_albedo, const std:
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::filesystem::path merl_path, material_path, table_path;
+  std::filesystem::path material_path, table_path;
+  MeasuredFile merl{{}, readMerl}, bsdf{{}, brdf::readTensorBsdf}, utia{{}, brdf::readUtia};
   int order = 5, angles = 32;
 
   stage::Tool tool("brdf", "Projects an isotropic BRDF times the cosine of light into spherical harmonics.");
   tool.input("material", "material", material_path, "Whose reflection is projected, without the diffuse part",
              {.required = false, .parts = {"reflection"}})
-      .input("merl", "brdf", merl_path, "Instead: a .binary file of the MERL database, all of it", false)
+      .input("merl", "brdf", merl.path, "Instead: a .binary file of the MERL database, all of it", false)
+      .input("bsdf", "brdf", bsdf.path, "Instead: a .bsdf file of the RGL database (Mitsuba)", false)
+      .input("utia", "brdf", utia.path, "Instead: a .bin file of the UTIA BRDF database", false)
       .output("table", "tensors", table_path,
               "safetensors file with the tensor \"brdf\", or one for each material that reflects")
       .parameter("order", order, {1, 10}, "SH bands", "Order of the table, at least that of the pack's rows")
@@ -68,8 +95,16 @@ int main(int argc, char** argv) {
                  R"(--material FILE, with { "reflection": { "model": "ggx", "roughness": 0.4 } } in it)");
 
   return tool.run(argc, argv, [&](stage::Run& run) {
-    if (!material_path.empty() && !merl_path.empty())
-      throw badInput({merl_path.string(), "", ""}, "a material is given as well", "one of the two");
+    const MeasuredFile* measured = nullptr;
+    for (const MeasuredFile* file : {&merl, &bsdf, &utia}) {
+      if (file->path.empty()) continue;
+      if (!material_path.empty() || measured != nullptr)
+        throw badInput(
+            {file->path.string(), "", ""},
+            measured == nullptr ? "a material is given as well" : "another measured file is given as well",
+            "one of the two");
+      measured = file;
+    }
     std::map<std::string, formats::BrdfTable> tables;
     double largest_albedo = 0, residual = 0;
     for (const auto& [name, reflection] : reflectionsOf(material_path)) {
@@ -81,9 +116,8 @@ int main(int argc, char** argv) {
       if (ggx != nullptr && ggx->roughness < brdf::kSmallestRoughness)
         run.warn("the roughness " + std::to_string(ggx->roughness) + " is projected as " +
                  std::to_string(brdf::kSmallestRoughness) + ": so few bands cannot show the difference");
-      const brdf::Brdf source = merl_path.empty()
-                                    ? brdf::reflection(reflection)
-                                    : brdf::readMerl(formats::readFile(merl_path), merl_path.string());
+      const brdf::Brdf source =
+          measured == nullptr ? brdf::reflection(reflection) : readMeasured(*measured, run).brdf;
       brdf::Projection projection = brdf::project(source, order, angles);
       double albedo = 0;
       for (const transport::Vec3& color : projection.albedo) albedo = std::max(albedo, color.maxCoeff());
