@@ -67,4 +67,18 @@ std::vector<Vec3> sphereDirections(int count) {
   return sorted;
 }
 
+DirectionGap largestGap(std::span<const Vec3> directions) {
+  constexpr int kSamples = 40000;  // of the sphere, less than 1° apart
+  DirectionGap gap;
+  double least = 2;
+  for (const Vec3& sample : sphereDirections(kSamples)) {
+    if (sample.z() < 0) continue;
+    double nearest = -1;
+    for (const Vec3& direction : directions) nearest = std::max(nearest, sample.dot(direction));
+    if (nearest < least) least = nearest, gap.direction = sample;
+  }
+  gap.angle_rad = std::acos(std::clamp(least, -1.0, 1.0));
+  return gap;
+}
+
 }  // namespace bakelight::transport

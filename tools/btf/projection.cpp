@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "tools/btf/scattered_directions.h"
+#include "transport/directions.h"
 #include "transport/gauss_legendre.h"
 #include "transport/hemisphere_grid.h"
 #include "transport/sh.h"
@@ -272,8 +273,8 @@ Projected project(const formats::Btf& btf, const ProjectionOptions& options,
   result.texture.width = info.width, result.texture.height = info.height;
   result.texture.allocate();
   result.figures.is_joint = isJoint(directions);
-  result.figures.view_gap_deg = degrees(largestGap(directions.views).angle_rad);
-  result.figures.light_gap_deg = degrees(largestGap(directions.lights).angle_rad);
+  result.figures.view_gap_deg = degrees(transport::largestGap(directions.views).angle_rad);
+  result.figures.light_gap_deg = degrees(transport::largestGap(directions.lights).angle_rad);
 
   Uses uses =
       result.figures.is_joint ? usesByPair(directions, lights, grid) : usesByView(directions, lights, grid);

@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "tools/btf/triangulation.h"
-#include "transport/directions.h"
 
 namespace bakelight::btf {
 namespace {
@@ -86,20 +85,6 @@ std::vector<ScatteredDirections::Share> ScatteredDirections::shares(const Vec3& 
     nearest_square = dx * dx + dy * dy, nearest = {a, b}, nearest_share = share;
   }
   return kept({{nearest[0], 1 - nearest_share}, {nearest[1], nearest_share}});
-}
-
-Gap largestGap(std::span<const Vec3> directions) {
-  constexpr int kSamples = 40000;  // of the sphere, less than 1° apart
-  Gap gap;
-  double least = 2;
-  for (const Vec3& sample : transport::sphereDirections(kSamples)) {
-    if (sample.z() < 0) continue;
-    double nearest = -1;
-    for (const Vec3& direction : directions) nearest = std::max(nearest, sample.dot(direction));
-    if (nearest < least) least = nearest, gap.direction = sample;
-  }
-  gap.angle_rad = std::acos(std::clamp(least, -1.0, 1.0));
-  return gap;
 }
 
 }  // namespace bakelight::btf

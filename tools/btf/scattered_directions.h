@@ -39,11 +39,4 @@ class ScatteredDirections {
   std::vector<std::array<int, 2>> border_;
 };
 
-// The largest angle between a direction of the hemisphere and the nearest of these, to 1°, and where it is.
-struct Gap {
-  double angle_rad = 0;
-  Vec3 direction = Vec3::UnitZ();
-};
-Gap largestGap(std::span<const Vec3> directions);
-
 }  // namespace bakelight::btf

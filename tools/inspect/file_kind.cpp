@@ -66,11 +66,14 @@ const char* nameOf(FileKind kind) {
       return "meso_mesh";
     case FileKind::kIdMap:
       return "id_map";
+    case FileKind::kBtf:
+      return "btf";
   }
   return "";
 }
 
 FileKind kindOfFile(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path)) return FileKind::kBtf;
   if (!std::filesystem::is_regular_file(path))
     throw badInput({path.string(), "", ""}, "there is no such file", "a file to look into");
   const std::string ending = formats::lowerEnding(path);
@@ -79,13 +82,15 @@ FileKind kindOfFile(const std::filesystem::path& path) {
   if (ending == ".exr" && isIdMap(path)) return FileKind::kIdMap;
   if (contains(formats::meshFileEndings(), ending)) return FileKind::kMesh;
   if (contains(imageEndings(), ending)) return FileKind::kImage;
+  if (ending == ".btf" || ending == ".zip") return FileKind::kBtf;
   if (ending == ".safetensors") return FileKind::kTensors;
   if (ending == ".json") return isMaterial(path) ? FileKind::kMaterial : FileKind::kRecord;
   throw badInput({path.string(), "", ""},
                  ending.empty() ? "its name has no ending that says what it is"
                                 : "nothing here opens " + ending + " files",
                  "a mesh (" + listed(formats::meshFileEndings()) + "), an image (" + listed(imageEndings()) +
-                     "), .safetensors, a pack (.glb), a material (.json), or a stage's stats.json or an "
+                     "), .safetensors, a pack (.glb), a BTF (.btf, or a zip or folder of pictures), a "
+                     "material (.json), or a stage's stats.json or an "
                      "asset's record.json",
                  "give the file its usual ending");
 }

@@ -5,10 +5,10 @@
 
 namespace bakelight::inspect {
 
-enum class FileKind { kMesh, kImage, kTensors, kPack, kMaterial, kRecord, kMesoMesh, kIdMap };
+enum class FileKind { kMesh, kImage, kTensors, kPack, kMaterial, kRecord, kMesoMesh, kIdMap, kBtf };
 
 const char* nameOf(
-    FileKind kind);  // "mesh", "image", "tensors", "pack", "material", "record", "meso_mesh", "id_map"
+    FileKind kind);  // "mesh", "image", "tensors", "pack", "material", "record", "meso_mesh", "id_map", "btf"
 
 // Throws Error(kBadInput) that lists what inspect opens, or that the file cannot be read.
 FileKind kindOfFile(const std::filesystem::path& path);

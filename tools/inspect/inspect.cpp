@@ -1,9 +1,11 @@
 #include "tools/inspect/inspect.h"
 
+#include "formats/btf_pictures.h"
 #include "formats/color_picture.h"
 #include "formats/error.h"
 #include "formats/mesh_import.h"
 #include "formats/mesh_ply.h"
+#include "tools/inspect/btf_preview.h"
 #include "tools/inspect/describe.h"
 #include "tools/inspect/file_kind.h"
 #include "tools/inspect/patch_figures.h"
@@ -71,6 +73,15 @@ void inspectImage(const std::filesystem::path& path, const Options& options, Ins
   if (options) inspection.preview = previewImage(image, display_encoded, *options);
 }
 
+void inspectBtf(const std::filesystem::path& path, const Options& options, Inspection& inspection) {
+  const std::unique_ptr<formats::Btf> btf =
+      formats::isPictureSet(path) ? formats::openBtfPictures(path) : formats::openBtf(path);
+  inspection.summary.file_bytes = btf->info().bytes;
+  const BtfSheet sheet = sheetOf(*btf);
+  inspection.summary.sections = describeBtf(*btf, sheet);
+  if (options) inspection.preview = previewBtf(*btf, sheet, *options);
+}
+
 void inspectTensors(const std::filesystem::path& path, const Options& options, Inspection& inspection) {
   const formats::TensorFile tensors = formats::readSafetensors(path);
   inspection.summary.sections = describeTensors(tensors);
@@ -118,7 +129,7 @@ Inspection inspectFile(const std::filesystem::path& path, const Options& preview
   Inspection inspection;
   inspection.summary.file = path.string();
   inspection.summary.kind = nameOf(kind);
-  inspection.summary.file_bytes = std::filesystem::file_size(path);
+  if (kind != FileKind::kBtf) inspection.summary.file_bytes = std::filesystem::file_size(path);
   switch (kind) {
     case FileKind::kMesh:
       inspectMesh(path, preview, patch, inspection);
@@ -143,6 +154,9 @@ Inspection inspectFile(const std::filesystem::path& path, const Options& preview
       break;
     case FileKind::kIdMap:
       inspectIdMap(path, preview, inspection);
+      break;
+    case FileKind::kBtf:
+      inspectBtf(path, preview, inspection);
       break;
   }
   if (inspection.preview)

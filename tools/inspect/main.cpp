@@ -18,7 +18,8 @@ int main(int argc, char** argv) {
   inspect::PatchFiles patch;
   bool as_json = false;
 
-  stage::Tool tool("inspect", "Says what is in a mesh, image, tensor file, pack or record, and draws it.");
+  stage::Tool tool("inspect",
+                   "Says what is in a mesh, image, tensor file, pack, BTF or record, and draws it.");
   tool.input("file", "any", file_path, "File to look into")
       .input("id_map", "id_map", patch.id_map,
              "For a mesh's preview: what its texture coordinates show of a patch", false)

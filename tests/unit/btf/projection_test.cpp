@@ -290,12 +290,12 @@ TEST(ScatteredDirections, TakesFewOnALineOrTheSameTwice) {
 
 TEST(ScatteredDirections, TellsTheirLargestGap) {
   const std::vector<Vec3> zenith = {Vec3(0, 0, 1)};
-  EXPECT_NEAR(largestGap(zenith).angle_rad, kPi / 2, 0.02);
+  EXPECT_NEAR(transport::largestGap(zenith).angle_rad, kPi / 2, 0.02);
   std::vector<Vec3> directions;
   for (const BtfDirection& angle : formats::directions151()) directions.push_back(vectorOf(angle));
   // On the horizon, midway between two of the outermost ring.
   const double expected = std::acos(std::sin(75 * kPi / 180) * std::cos(7.5 * kPi / 180));
-  EXPECT_NEAR(largestGap(directions).angle_rad, expected, 0.01);
+  EXPECT_NEAR(transport::largestGap(directions).angle_rad, expected, 0.01);
 }
 
 TEST(BtfCrop, AveragesTexels) {
