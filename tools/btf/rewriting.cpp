@@ -34,8 +34,40 @@ double relativeError(const formats::Btf& btf, const formats::Btf& expected) {
   return squares > 0 ? std::sqrt(differences / squares) : std::sqrt(differences);
 }
 
-RewritingFigures rewrite(const formats::Btf& btf, const std::filesystem::path& path,
+namespace {
+
+// All of it in memory, if that is not much: it is gone through seven times. Null if it is, or has gaps.
+std::unique_ptr<formats::Btf> held(const formats::Btf& btf) {
+  constexpr std::size_t kMost = std::size_t{1} << 28;  // values, 1 GiB
+  const std::vector<int> lights = btf.Btf::lightsOf(0);
+  const std::size_t views = btf.info().views.size(), texels = btf.texelCount();
+  const std::size_t a_view = 3 * lights.size() * texels;
+  if (a_view > kMost / views) return nullptr;
+  for (std::size_t v = 0; v < views; ++v)
+    if (btf.lightsOf(static_cast<int>(v)).size() != lights.size()) return nullptr;
+  std::vector<float> values(views * a_view);
+  constexpr std::size_t kBlock = 256;
+  for (std::size_t v = 0; v < views; ++v) {
+    const auto view = btf.view(static_cast<int>(v));
+    tbb::parallel_for(std::size_t{0}, (texels + kBlock - 1) / kBlock, [&](std::size_t block) {
+      const std::size_t first = block * kBlock, count = std::min(kBlock, texels - first);
+      std::vector<float> rgb(3 * lights.size() * count);
+      view->decode(lights, {first, count}, rgb);
+      for (std::size_t c = 0; c < 3; ++c)
+        for (std::size_t l = 0; l < lights.size(); ++l)
+          for (std::size_t t = 0; t < count; ++t)
+            values[v * a_view + (l * texels + first + t) * 3 + c] = rgb[(c * lights.size() + l) * count + t];
+    });
+  }
+  return formats::btfOf(btf.info(), std::move(values));
+}
+
+}  // namespace
+
+RewritingFigures rewrite(const formats::Btf& given, const std::filesystem::path& path,
                          const RewritingOptions& options) {
+  const std::unique_ptr<formats::Btf> in_memory = held(given);
+  const formats::Btf& btf = in_memory ? *in_memory : given;
   RewritingFigures figures;
   if (options.layout == Layout::kRaw) {
     formats::writeRawBtf(path, btf);
