@@ -83,6 +83,11 @@ void expectValues(const Btf& btf, double tolerance) {
   }
 }
 
+void writeQuickly(const fs::path& path, std::span<const std::byte> bytes) {
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
 std::string problemOf(const fs::path& path, const BtfPictureOptions& options = {}) {
   try {
     const auto btf = openBtfPictures(path, options);
@@ -143,13 +148,13 @@ TEST(BtfPictures, OfAZipAreRead) {
 
   const Bytes bytes = readFile(zip);
   for (const std::size_t size : {bytes.size() - 1, bytes.size() - 40, bytes.size() / 2, std::size_t{30}}) {
-    writeFileAtomically(folder / "cut.zip", std::span(bytes).first(size));
+    writeQuickly(folder / "cut.zip", std::span(bytes).first(size));
     EXPECT_THAT(problemOf(folder / "cut.zip"), HasSubstr("zip")) << size;
   }
-  for (std::size_t at = 0; at < bytes.size(); at += 1 + bytes.size() / 60) {
+  for (std::size_t at = 0; at < bytes.size(); at += 1 + bytes.size() / 40) {
     Bytes turned = bytes;
     turned[at] ^= std::byte{0xFF};
-    writeFileAtomically(folder / "turned.zip", turned);
+    writeQuickly(folder / "turned.zip", turned);
     problemOf(folder / "turned.zip");  // an error, or other names: no crash
   }
 }
