@@ -6,6 +6,7 @@
 #include "formats/patch_albedo.h"
 #include "formats/tensors.h"
 #include "tools/stage/stage.h"
+#include "tools/transfer/open_horizon.h"
 #include "tools/transfer/transfer.h"
 #include "tools/transfer/transfer_file.h"
 #include "transport/ray_scene.h"
@@ -53,6 +54,8 @@ int main(int argc, char** argv) {
       stage::Progress progress = run.progress("transfer", mesh.vertexCount(), "vertices");
       baked = transfer::bakeTransfer(mesh, albedo, options, progress);
     }
+    if (settings.isGlossy() && settings.horizon == transfer::Horizon::kOpen)
+      transfer::openHorizons(mesh, options, baked);
     std::optional<transfer::Cpca> cpca;
     if (settings.isGlossy() && settings.storage == transfer::Storage::kCpca) {
       stage::Progress progress = run.progress("cpca", settings.cpca.iterations, "rounds");

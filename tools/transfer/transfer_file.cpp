@@ -23,6 +23,7 @@ constexpr formats::Word<Storage> kStorages[] = {
     {"matrix", Storage::kMatrix}, {"visibility", Storage::kVisibility}, {"cpca", Storage::kCpca}};
 constexpr formats::Word<FrameSource> kFrameSources[] = {{"normals", FrameSource::kNormals},
                                                         {"texcoords", FrameSource::kTexcoords}};
+constexpr formats::Word<Horizon> kHorizons[] = {{"cut", Horizon::kCut}, {"open", Horizon::kOpen}};
 constexpr formats::Word<Transport> kTransports[] = {{"unshadowed", Transport::kUnshadowed},
                                                     {"shadowed", Transport::kShadowed},
                                                     {"interreflected", Transport::kInterreflected}};
@@ -68,6 +69,7 @@ void addGlossy(const TransferSettings& settings, const Transfer& baked, const st
   const auto channels = static_cast<std::uint64_t>(baked.channels);
   const std::uint64_t rows = squared(settings.options.row_order), columns = squared(settings.options.order);
   contents.metadata["row_order"] = std::to_string(settings.options.row_order);
+  contents.metadata["horizon"] = formats::wordFor(kHorizons, settings.horizon);
   contents.metadata["storage"] = formats::wordFor(kStorages, settings.storage);
   contents.addRows<4>("tangent", baked.tangents);
   if (cpca) {
@@ -104,6 +106,10 @@ void declare(stage::Tool& tool, TransferSettings& settings) {
           "frame", settings.frames, kFrameSources,
           "Glossy: whether vertices' frames follow texture coordinates, as patches need it that are laid "
           "out by them, or are any")
+      .parameter("horizon", settings.horizon, kHorizons,
+                 "Glossy: whether light from below a vertex's own tangent plane is cut off, as lobes need "
+                 "it, or passes, "
+                 "for radiance transfer textures, which leave it out themselves")
       .parameter("clusters", settings.cpca.clusters, {1, 65536}, "", "cpca: clusters of vertices, at most")
       .parameter("components", settings.cpca.components, {1, 64}, "", "cpca: weights a vertex")
       .parameter("directions", options.directions, {64, 1048576}, "directions over the sphere",

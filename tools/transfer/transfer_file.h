@@ -16,6 +16,9 @@ namespace bakelight::transfer {
 // Where the local frames of matrices come from.
 enum class FrameSource { kNormals, kTexcoords };
 
+// Of matrices: whether they cut light off at each vertex's own tangent plane.
+enum class Horizon { kCut, kOpen };
+
 // Whether there are transfer matrices beside the vectors, and how they are represented.
 enum class Technique { kDiffuse, kGlossy };
 enum class Storage { kMatrix, kVisibility, kCpca };
@@ -25,6 +28,7 @@ struct TransferSettings {
   Technique technique = Technique::kDiffuse;
   Storage storage = Storage::kMatrix;  // of glossy transfer
   FrameSource frames = FrameSource::kNormals;
+  Horizon horizon = Horizon::kCut;
   bool near_field = false;
   double sphere_radius = 2;
   TransferOptions options;
