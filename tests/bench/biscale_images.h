@@ -1,0 +1,50 @@
+// Pictures of a patch's width of a surface, along parallel rays, by paths through its geometry and by what stands for it.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "formats/light_rig.h"
+#include "formats/pack_contents.h"
+#include "patch/patch_geometry.h"
+#include "tests/bench/biscale_subject.h"
+#include "tools/reference/scene.h"
+#include "transport/lights.h"
+
+namespace bakelight::bench {
+
+// A pixel for each cell of a grid over a patch's width of the macro surface, around its middle: what is seen through it
+// along parallel rays, however far the geometry below is displaced.
+struct Window {
+  int side = 128;                          // pixels
+  double polar_deg = 0, azimuth_deg = 30;  // of the view, in the frame of its middle
+  Vec3 towardsEye() const;
+};
+
+struct Image {
+  int side = 0;
+  std::vector<Float3> values;  // rows upwards
+  double variance = 0;         // Σ over pixels and colors, of values that have noise
+
+  Image blurred(int pixels) const;  // boxes of pixels × pixels become one
+};
+
+// √(Σ (image − truth)² − the truth's variance) ÷ √Σ truth².
+double relativeRmse(const Image& image, const Image& truth);
+
+Image truthImage(const reference::Scene& scene, Macro macro, const Window& window, int batches);
+// `steps` of the pack's macroMesh.
+Image packImage(const formats::Pack& pack, Macro macro, int steps, std::span<const Float3> light,
+                const Window& window);
+
+// Albedo and normal of what is seen from straight above, a texel each: a normal map with plain shading, whose light comes from
+// all of the hemisphere above the normal.
+struct NormalMap {
+  int side = 0;
+  std::vector<Float3> albedo;
+  std::vector<Vec3> normals;  // in the patch's frame
+};
+NormalMap normalMapOf(const patch::PatchGeometry& geometry, int side);
+Image normalMapImage(const NormalMap& map, Macro macro, std::span<const Float3> light, const Window& window);
+
+}  // namespace bakelight::bench
