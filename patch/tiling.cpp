@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "formats/error.h"
+#include "transport/camera.h"
 #include "transport/texture_frames.h"
 #include "transport/vector_types.h"
 
@@ -65,6 +66,7 @@ class Facet {
            !((positions_[1] - positions_[0]).cross(positions_[2] - positions_[0]).norm() > 0);
   }
   bool isMirrored() const { return determinant_ < 0; }
+  double area() const { return std::abs(determinant_) / 2; }  // in widths²
 
   Vec2 low() const { return places_[0].cwiseMin(places_[1]).cwiseMin(places_[2]); }
   Vec2 high() const { return places_[0].cwiseMax(places_[1]).cwiseMax(places_[2]); }
@@ -204,8 +206,7 @@ class TriangleGrid {
 
 class Tiler {
  public:
-  Tiler(const PatchGeometry& patch, const std::string& file)
-      : patch_(patch), grid_(patch.mesh), file_(file) {}
+  explicit Tiler(const PatchGeometry& patch) : patch_(patch), grid_(patch.mesh) {}
 
   void lay(const Facet& facet) {
     const Vec2 low = facet.low(), high = facet.high();
@@ -241,11 +242,6 @@ class Tiler {
       else
         mesh_.triangles.push_back({numbers_[0], numbers_[k - 1], numbers_[k]});
     }
-    if (mesh_.triangles.size() > kMostTiledTriangles)
-      throw badInput({file_, "", ""},
-                     fmt::format("the patch's {} triangles, repeated over it, are more than {} million",
-                                 patch_.mesh.triangleCount(), kMostTiledTriangles / 1'000'000),
-                     "fewer", "make the patch wider, or its picture or mesh coarser");
   }
 
   std::uint32_t vertexOf(const Facet& facet, const Corner& corner) {
@@ -264,7 +260,6 @@ class Tiler {
 
   const PatchGeometry& patch_;
   TriangleGrid grid_;
-  const std::string& file_;
   TriangleMesh mesh_;
   std::unordered_map<std::uint32_t, std::uint32_t> made_;  // vertices of this copy on this facet
   std::vector<Corner> polygon_, spare_;
@@ -273,34 +268,48 @@ class Tiler {
 
 // Edges between charts whose places differ by something that is no period.
 std::size_t brokenEdges(const PatchGeometry& patch, const TriangleMesh& surface, double repeats) {
-  using Edge = std::array<Float3, 2>;
-  struct Places {
-    std::array<Vec2, 2> at;
-    bool broken = false;
+  using Place = std::array<std::int64_t, 3>;
+  struct End {
+    Place at;
+    Vec2 place;
+  };
+  const double size = transport::boundingSphere(surface).radius;
+  const auto endOf = [&](std::uint32_t v) {
+    End end{{}, repeats * Vec2(surface.texcoords[v][0], surface.texcoords[v][1])};
+    for (std::size_t c = 0; c < 3; ++c)
+      end.at[c] = static_cast<std::int64_t>(std::round(surface.positions[v][c] / (1e-5 * size)));
+    return end;
   };
   const auto differs = [](double offset, double period) {
-    const double periods = offset / period;
-    return std::abs(periods - std::round(periods)) > 1e-3;
+    return std::abs(offset / period - std::round(offset / period)) > 1e-3;
   };
-  std::map<Edge, Places> edges;
+  struct Edge {
+    std::array<Vec2, 2> places;
+    bool broken = false;
+  };
+  std::map<std::array<Place, 2>, Edge> edges;
   for (const Triangle& t : surface.triangles)
     for (std::size_t i = 0; i < 3; ++i) {
-      std::array<std::uint32_t, 2> ends = {t[i], t[(i + 1) % 3]};
-      if (surface.positions[ends[1]] < surface.positions[ends[0]]) std::swap(ends[0], ends[1]);
-      Places places;
-      for (std::size_t k = 0; k < 2; ++k)
-        places.at[k] = repeats * Vec2(surface.texcoords[ends[k]][0], surface.texcoords[ends[k]][1]);
+      std::array<End, 2> ends = {endOf(t[i]), endOf(t[(i + 1) % 3])};
+      if (ends[1].at < ends[0].at) std::swap(ends[0], ends[1]);
       const auto [found, is_new] =
-          edges.try_emplace({surface.positions[ends[0]], surface.positions[ends[1]]}, places);
+          edges.try_emplace({ends[0].at, ends[1].at}, Edge{{ends[0].place, ends[1].place}});
       if (is_new) continue;
       for (std::size_t k = 0; k < 2; ++k) {
-        const Vec2 offset = places.at[k] - found->second.at[k];
+        const Vec2 offset = ends[k].place - found->second.places[k];
         if (differs(offset.x(), patch.period_x) || differs(offset.y(), patch.period_y))
           found->second.broken = true;
       }
     }
   return static_cast<std::size_t>(
       std::count_if(edges.begin(), edges.end(), [](const auto& edge) { return edge.second.broken; }));
+}
+
+// Without what cuts add.
+double expectedTriangles(const PatchGeometry& patch, const std::vector<Facet>& facets) {
+  double area = 0;
+  for (const Facet& facet : facets) area += facet.area();
+  return area / (patch.period_x * patch.period_y) * static_cast<double>(patch.mesh.triangleCount());
 }
 
 }  // namespace
@@ -318,14 +327,22 @@ TiledSurface tiled(const PatchGeometry& patch, const TriangleMesh& surface, cons
     throw badInput({file, "", ""}, "it has no normals for a patch to stand along", "one a vertex",
                    "run the mesh through simplify, which makes them");
   TiledSurface result;
-  Tiler tiler(patch, file);
+  std::vector<Facet> facets;
   for (const Triangle& triangle : surface.triangles) {
     const Facet facet(surface, triangle, tiling);
     if (facet.isBare())
       ++result.bare_triangles;
     else
-      tiler.lay(facet);
+      facets.push_back(facet);
   }
+  if (const double expected = expectedTriangles(patch, facets); !(expected < kMostTiledTriangles))
+    throw badInput({file, "", ""},
+                   fmt::format("the patch of {} triangles, repeated over it, has about {:.3g}",
+                               patch.mesh.triangleCount(), expected),
+                   fmt::format("at most {}", kMostTiledTriangles),
+                   "make the patch wider, or its picture or mesh coarser");
+  Tiler tiler(patch);
+  for (const Facet& facet : facets) tiler.lay(facet);
   result.mesh = tiler.take();
   result.broken_edges = brokenEdges(patch, surface, tiling.repeats);
   return result;

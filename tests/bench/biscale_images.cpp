@@ -36,8 +36,8 @@ Image sampledImage(Macro macro, int steps, const Window& window, const Shade& sh
   tbb::parallel_for(0, window.side, [&](int y) {
     for (int x = 0; x < window.side; ++x)
       for (int s = 0; s < kSubsamples * kSubsamples; ++s) {
-        const double across = (x + (s % kSubsamples + 0.5) / kSubsamples) / window.side - 0.5,
-                     up = (y + (s / kSubsamples + 0.5) / kSubsamples) / window.side - 0.5;
+        const double across = window.at(x + (s % kSubsamples + 0.5) / kSubsamples),
+                     up = window.at(y + (s / kSubsamples + 0.5) / kSubsamples);
         add(image.values[static_cast<std::size_t>(y) * window.side + x],
             shade(macroPoint(macro, steps, across, up), across, up), 1.0F / (kSubsamples * kSubsamples));
       }
@@ -63,14 +63,23 @@ Image Image::blurred(int pixels) const {
   return image;
 }
 
-double relativeRmse(const Image& image, const Image& truth) {
-  double difference = -truth.variance, square = -truth.variance;
+void SquaredError::add(const Image& image, const Image& truth) {
   for (std::size_t i = 0; i < truth.values.size(); ++i)
     for (std::size_t c = 0; c < 3; ++c) {
       const double right = truth.values[i][c];
       difference += std::pow(image.values[i][c] - right, 2);
       square += right * right;
     }
+  difference -= truth.variance;
+  square -= truth.variance;
+}
+
+void SquaredError::add(const SquaredError& other) {
+  difference += other.difference;
+  square += other.square;
+}
+
+double SquaredError::relative() const {
   return std::sqrt(std::max(difference, 0.0) / square);
 }
 
@@ -90,8 +99,7 @@ Image truthImage(const reference::Scene& scene, Macro macro, const Window& windo
         reference::Rgb sum = reference::Rgb::Zero();
         for (int s = 0; s < StratifiedBatch::kSize; ++s) {
           const auto [i, j] = batch.pair(s, 0);
-          const Vec3 through =
-              macroPoint(macro, 1, (x + i) / window.side - 0.5, (y + j) / window.side - 0.5).position;
+          const Vec3 through = macroPoint(macro, 1, window.at(x + i), window.at(y + j)).position;
           // Far enough to be above all of the relief, near enough not to meet the other side of a trough.
           const transport::Hit hit = scene.rays().nearestHit(through + 1.5 * kPatchWidth * towards, -towards);
           if (hit.valid) sum += tracer.exitRadiance(scene.pointAt(hit), towards, {batch, s}, rays);

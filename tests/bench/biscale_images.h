@@ -1,4 +1,4 @@
-// Pictures of a patch's width of a surface, along parallel rays, by paths through its geometry and by what stands for it.
+// Pictures of a piece of a surface, along parallel rays, by paths through its geometry and by what stands for it.
 #pragma once
 
 #include <span>
@@ -13,12 +13,14 @@
 
 namespace bakelight::bench {
 
-// A pixel for each cell of a grid over a patch's width of the macro surface, around its middle: what is seen through it
+// A pixel for each cell of a grid over some of the macro surface, around its middle: what is seen through it
 // along parallel rays, however far the geometry below is displaced.
 struct Window {
   int side = 128;                          // pixels
+  double widths = 1;                       // of the patch
   double polar_deg = 0, azimuth_deg = 30;  // of the view, in the frame of its middle
   Vec3 towardsEye() const;
+  double at(double pixel) const { return (pixel / side - 0.5) * widths; }  // widths from the middle
 };
 
 struct Image {
@@ -29,8 +31,13 @@ struct Image {
   Image blurred(int pixels) const;  // boxes of pixels × pixels become one
 };
 
-// √(Σ (image − truth)² − the truth's variance) ÷ √Σ truth².
-double relativeRmse(const Image& image, const Image& truth);
+// Σ (image − truth)² and Σ truth², each less what noise of the truth adds.
+struct SquaredError {
+  double difference = 0, square = 0;
+  void add(const Image& image, const Image& truth);
+  void add(const SquaredError& other);
+  double relative() const;  // root mean square
+};
 
 Image truthImage(const reference::Scene& scene, Macro macro, const Window& window, int batches);
 // `steps` of the pack's macroMesh.

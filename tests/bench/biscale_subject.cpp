@@ -36,30 +36,74 @@ struct Place {
 // At places across and up, in widths from the middle.
 Place placeOn(Macro macro, double across, double up) {
   if (macro == Macro::kPlane) return {kPatchWidth * Vec3(across, 0, -up), Vec3(0, 1, 0)};
-  const double radius = 24 * kPatchWidth / (2 * pi), angle = across * kPatchWidth / radius;
-  const double sign = macro == Macro::kCylinder ? 1 : -1;
-  const Vec3 normal(sign * std::sin(angle), std::cos(angle), 0);
-  return {sign * radius * normal + Vec3(0, 0, -up * kPatchWidth), normal};
+  const double radius = 24 * kPatchWidth / (2 * pi);
+  if (macro == Macro::kCylinder) {
+    const double angle = across * kPatchWidth / radius;
+    const Vec3 normal(std::sin(angle), std::cos(angle), 0);
+    return {radius * normal + Vec3(0, 0, -up * kPatchWidth), normal};
+  }
+  const double angle = up * kPatchWidth / radius;
+  const Vec3 normal(0, std::cos(angle), std::sin(angle));
+  return {-radius * normal + Vec3(across * kPatchWidth, 0, 0), normal};
 }
 
-transfer::TransferSettings settingsOf(const TriangleMesh& mesh, const BakeVariant& variant, bool shadows) {
+transfer::TransferSettings settingsOf(const TriangleMesh& mesh, const BakeVariant& variant) {
   transfer::TransferSettings settings;
   settings.technique = transfer::Technique::kGlossy;
   settings.storage = transfer::Storage::kMatrix;
   settings.frames = transfer::FrameSource::kTexcoords;
   settings.options.order = settings.options.row_order = variant.order;
-  settings.options.transport =
-      shadows ? transfer::Transport::kInterreflected : transfer::Transport::kShadowed;
+  settings.options.transport = transfer::Transport::kInterreflected;
   settings.options = transfer::bakeOptions(settings);
   settings.options.tangents = transport::textureFrames(mesh).tangents;
   return settings;
 }
 
-formats::Pack packOf(const TriangleMesh& mesh, const rtt::Rtt& rtt, const BakeVariant& variant) {
-  const transfer::TransferSettings settings = settingsOf(mesh, variant, true);
-  const std::vector<Float3> albedo = {rtt.figures.mean_albedo};
+transfer::Transfer bake(const TriangleMesh& mesh, const std::vector<Float3>& albedo,
+                        const transfer::TransferOptions& options) {
   stage::Progress silent(stage::ProgressStyle::kNone, "", 0, "");
-  const transfer::Transfer baked = transfer::bakeTransfer(mesh, albedo, settings.options, silent);
+  return transfer::bakeTransfer(mesh, albedo, options, silent);
+}
+
+// Light as a vertex's frame has it, count × count: rotations.
+std::vector<float> rotations(const TriangleMesh& mesh, const std::vector<formats::Float4>& tangents,
+                             int order, int channels) {
+  const int count = transport::coefficientCount(order);
+  std::vector<float> matrices;
+  for (std::size_t v = 0; v < mesh.vertexCount(); ++v) {
+    const Vec3 normal = transport::vec3(mesh.normals[v]),
+               along(tangents[v][0], tangents[v][1], tangents[v][2]);
+    Eigen::Matrix3d local;
+    local << along.transpose(), (tangents[v][3] * normal.cross(along)).transpose(), normal.transpose();
+    const transport::ShRotation rotation(order, local);
+    Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> matrix(count, count);
+    matrix.setZero();
+    for (int l = 0; l < order; ++l)
+      matrix.block(l * l, l * l, 2 * l + 1, 2 * l + 1) = rotation.band(l).cast<float>();
+    for (int c = 0; c < channels; ++c)
+      matrices.insert(matrices.end(), matrix.data(),
+                      matrix.data() + static_cast<std::ptrdiff_t>(count) * count);
+  }
+  return matrices;
+}
+
+// What the vertices' own horizons take away, given back.
+void openHorizons(const TriangleMesh& mesh, transfer::TransferOptions options, transfer::Transfer& baked) {
+  options.transport = transfer::Transport::kUnshadowed;
+  const std::vector<float> cut = bake(mesh, {}, options).matrices,
+                           whole = rotations(mesh, baked.tangents, options.order, 1);
+  const std::size_t size = cut.size() / mesh.vertexCount();
+  for (std::size_t i = 0; i < baked.matrices.size(); ++i) {
+    const std::size_t vertex = i / (size * static_cast<std::size_t>(baked.channels)), entry = i % size;
+    baked.matrices[i] += whole[vertex * size + entry] - cut[vertex * size + entry];
+  }
+}
+
+formats::Pack packOf(const TriangleMesh& mesh, const rtt::Rtt& rtt, const BakeVariant& variant) {
+  const transfer::TransferSettings settings = settingsOf(mesh, variant);
+  const std::vector<Float3> albedo = {rtt.figures.mean_albedo};
+  transfer::Transfer baked = bake(mesh, albedo, settings.options);
+  if (variant.open_horizon) openHorizons(mesh, settings.options, baked);
   const tests::TemporaryFolder folder;
   transfer::writeTransfer(folder / "transfer.safetensors", mesh, settings, albedo, baked, {});
   packing::PackingOptions options;
@@ -69,27 +113,12 @@ formats::Pack packOf(const TriangleMesh& mesh, const rtt::Rtt& rtt, const BakeVa
                                options, {"mesh", "transfer", "", "material", "rtt"}, patches);
 }
 
-// Rotations into the frames of the vertices in place of matrices.
 formats::Pack withoutMacro(formats::Pack pack) {
   formats::GlossyTransfer& glossy = *pack.sh().glossy;
-  const int order = pack.sh().order, count = transport::coefficientCount(order),
-            channels = pack.sh().channels;
-  std::vector<float> matrices;
-  for (std::size_t v = 0; v < pack.mesh.vertexCount(); ++v) {
-    const formats::Float4& t = glossy.tangents[v];
-    const Vec3 normal = transport::vec3(pack.mesh.normals[v]), along(t[0], t[1], t[2]);
-    Eigen::Matrix3d local;
-    local << along.transpose(), (t[3] * normal.cross(along)).transpose(), normal.transpose();
-    const transport::ShRotation rotation(order, local);
-    Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> matrix(count, count);
-    matrix.setZero();
-    for (int l = 0; l < order; ++l)
-      matrix.block(l * l, l * l, 2 * l + 1, 2 * l + 1) = rotation.band(l).cast<float>();
-    for (int c = 0; c < channels; ++c)
-      matrices.insert(matrices.end(), matrix.data(), matrix.data() + count * count);
-  }
+  const std::vector<float> turned =
+      rotations(pack.mesh, glossy.tangents, pack.sh().order, pack.sh().channels);
   glossy.transfer = formats::MatrixOperator{formats::encodeTable(
-      matrices, matrices.size() / pack.mesh.vertexCount(), formats::Precision::kFloat32, "", "rotations")};
+      turned, turned.size() / pack.mesh.vertexCount(), formats::Precision::kFloat32, "", "rotations")};
   return pack;
 }
 
@@ -149,14 +178,14 @@ patch::PatchGeometry patchOf(const std::string& name) {
 
 const rtt::Rtt& rttOf(const std::string& patch_name, const BakeVariant& variant) {
   static std::map<std::tuple<std::string, int, int, int>, rtt::Rtt> made;
-  const auto key = std::tuple(patch_name, variant.order, variant.views, variant.resolution);
-  const auto found = made.find(key);
-  if (found != made.end()) return found->second;
+  const auto [found, is_new] =
+      made.try_emplace({patch_name, variant.order, variant.views, variant.resolution});
+  if (!is_new) return found->second;
   rtt::Options options;
   options.order = variant.order;
   options.views = variant.views;
   options.resolution = variant.resolution;
-  return made.emplace(key, rtt::makeRtt(patchOf(patch_name), options, [] {})).first->second;
+  return found->second = rtt::makeRtt(patchOf(patch_name), options, [] {});
 }
 
 Packs packsOf(const std::string& patch_name, Macro macro, const BakeVariant& variant) {
@@ -169,7 +198,7 @@ Packs packsOf(const std::string& patch_name, Macro macro, const BakeVariant& var
 
 reference::Surface truthOf(const std::string& patch_name, Macro macro) {
   // Smooth enough that its facets do not count beside what is measured.
-  const TriangleMesh mesh = macroMesh(macro, macro == Macro::kPlane ? 1 : 8);
+  const TriangleMesh mesh = macroMesh(macro, macro == Macro::kPlane ? 1 : 4);
   const patch::PatchGeometry geometry = patchOf(patch_name);
   reference::Surface surface{
       patch::tiled(geometry, mesh, patch::tilingOf(mesh, kPatchWidth), nameOf(macro)).mesh, {}};

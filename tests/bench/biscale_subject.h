@@ -1,6 +1,7 @@
 // Patches on macro surfaces, as packs and as the geometry that these stand for.
 #pragma once
 
+#include <compare>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,10 @@ struct BakeVariant {
   int views = 8;        // a side
   int resolution = 64;  // texels
   int macro_steps = 2;  // vertices along a patch
+  // Matrices that leave light below a vertex's own horizon alone, as patches do not see it.
+  bool open_horizon = false;
+
+  auto operator<=>(const BakeVariant&) const = default;
 };
 
 patch::PatchGeometry patchOf(const std::string& name);  // of configs/patches
