@@ -70,6 +70,7 @@ Options paperOptions() {
 
 struct RayLists {
   std::vector<transport::FreeRays> any, nearest;  // whether something is met; what is
+  std::size_t views = 0;                          // from which of `nearest` on they are those of views
   std::size_t count() const {
     std::size_t sum = 0;
     for (const auto* lists : {&any, &nearest})
@@ -96,6 +97,7 @@ RayLists raysOf(const patch::PatchGeometry& geometry, const transport::PeriodicR
     for (const LightDirection& light : lights) along(light.towards, lists.any.back());
     for (const Vec3& direction : directions) along(direction, lists.nearest.back());
   }
+  lists.views = lists.nearest.size();
   const int height = static_cast<int>(std::lround(options.resolution * geometry.aspect));
   for (int view = 0; view < options.views * options.views; ++view)
     for (int y = 0; y < height; ++y) {
@@ -136,16 +138,32 @@ class BareEmbree {
   // Packets of kWidth (1, 8 or 16).
   template <int kWidth>
   double seconds(const RayLists& lists, bool coherent) const {
-    return secondsOf([&] {
-      tbb::parallel_for(std::size_t{0}, lists.any.size(),
-                        [&](std::size_t i) { trace<kWidth, true>(lists.any[i], coherent); });
-      tbb::parallel_for(std::size_t{0}, lists.nearest.size(),
-                        [&](std::size_t i) { trace<kWidth, false>(lists.nearest[i], coherent); });
-    });
+    return secondsOf([&] { traceAll<kWidth>(lists, coherent); });
+  }
+  // By packets of 8: of lights, bounces and views.
+  std::array<double, 3> secondsByKind(const RayLists& lists) const {
+    const auto nearest = [&](std::size_t first, std::size_t end) {
+      return secondsOf([&] {
+        tbb::parallel_for(first, end, [&](std::size_t i) { trace<8, false>(lists.nearest[i], false); });
+      });
+    };
+    return {secondsOf([&] {
+              tbb::parallel_for(std::size_t{0}, lists.any.size(),
+                                [&](std::size_t i) { trace<8, true>(lists.any[i], false); });
+            }),
+            nearest(0, lists.views), nearest(lists.views, lists.nearest.size())};
   }
   std::uint64_t met() const { return met_; }
 
  private:
+  template <int kWidth>
+  void traceAll(const RayLists& lists, bool coherent) const {
+    tbb::parallel_for(std::size_t{0}, lists.any.size(),
+                      [&](std::size_t i) { trace<kWidth, true>(lists.any[i], coherent); });
+    tbb::parallel_for(std::size_t{0}, lists.nearest.size(),
+                      [&](std::size_t i) { trace<kWidth, false>(lists.nearest[i], coherent); });
+  }
+
   template <int kWidth>
   using RayHit =
       std::conditional_t<kWidth == 1, RTCRayHit, std::conditional_t<kWidth == 8, RTCRayHit8, RTCRayHit16>>;
@@ -228,7 +246,6 @@ double pyramidError(const patch::PatchGeometry& geometry, const Rtt& finest) {
     Options options = paperOptions();
     options.resolution = level.width;
     options.supersampling = 3 * factor;
-    options.element /= factor;  // of the level's texels
     worst = std::max(worst, relativeError(level.values, makeRtt(geometry, options, [] {}).texture.values));
   }
   return worst;
@@ -237,7 +254,7 @@ double pyramidError(const patch::PatchGeometry& geometry, const Rtt& finest) {
 void paper(benchmark::State& state, const std::string& name) {
   const patch::PatchGeometry geometry = patchOf(name);
   const Options options = paperOptions();
-  double longest_edge = options.element / options.resolution;
+  double longest_edge = 1.0 / options.elements;
   const patch::PatchGeometry solved = withElements(geometry, longest_edge);
   const transport::PeriodicRayScene scene(solved.mesh, {solved.period_x, solved.period_y});
   const BareEmbree bare(scene.heldTriangles());
@@ -266,6 +283,10 @@ void paper(benchmark::State& state, const std::string& name) {
       best = std::min(best, median(rivals[i]));
       state.counters[std::string("embree_s_") + names[i]] = median(rivals[i]);
     }
+    const std::array<double, 3> kinds = bare.secondsByKind(lists);
+    state.counters["embree_direct_s"] = kinds[0];
+    state.counters["embree_seeing_s"] = kinds[1];
+    state.counters["embree_views_s"] = kinds[2];
     state.SetIterationTime(median(ours));
     state.counters["seconds"] = median(ours);
     state.counters["raw_ray_ratio"] = best / median(ours);

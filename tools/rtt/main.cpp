@@ -44,7 +44,9 @@ formats::Json toJson(const std::string& name, const rtt::Rtt& made) {
                         {"depth", figures.depth},
                         {"hole_share", figures.hole_share},
                         {"glossy_rays", figures.glossy_rays},
-                        {"element", figures.element},
+                        {"longest_edge", figures.longest_edge},
+                        {"view_dependence", figures.view_dependence.from_mean},
+                        {"view_dependence_from_head_on", figures.view_dependence.from_head_on},
                         {"inside_share", figures.inside_share},
                         {"mean_albedo", figures.mean_albedo}};
   if (figures.bounced) {
@@ -76,9 +78,9 @@ void warnOf(const NamedMaterial& each, const rtt::Figures& figures, const rtt::O
   if (figures.inside_share > kSeldom)
     run.warn(file + ": " + std::to_string(100 * figures.inside_share) +
              " % of what views meet is the inside of closed parts, and black: are faces turned inside out?");
-  if (figures.element > options.element * (1 + 1e-9))
+  if (figures.longest_edge * options.elements > 1 + 1e-9)
     run.warn(file + ": its surface is so large that light is solved on edges of " +
-             std::to_string(figures.element) + " texels");
+             std::to_string(figures.longest_edge) + " widths of the patch");
   if (figures.bounced && !figures.bounced->converged && figures.bounced->error_bound > 0)
     run.warn(file + ": light of further bounces is missing, at most " +
              std::to_string(100 * figures.bounced->error_bound) + " %");
@@ -97,7 +99,9 @@ int main(int argc, char** argv) {
              {.required = true, .parts = {"albedo", "reflection", "patch"}})
       .output("rtt", "rtt", rtt_path, "EXR: a radiance transfer texture for each such material")
       .parameter("resolution", options.resolution, {1, 2048}, "texels", "Of a texture, across")
-      .parameter("views", options.views, {1, 32}, "", "A side of the grid of views over the hemisphere")
+      .parameter(
+          "views", options.views, {1, 32}, "",
+          "A side of the grid of views over the hemisphere; 1: that from straight above stands for all")
       .parameter("supersampling", options.supersampling, {1, 16}, "", "Points a texel, a side")
       .parameter("order", options.order, {1, 10}, "bands", "Of spherical harmonics of the light")
       .parameter("lights", options.light_rule, rtt::kLightRules,
@@ -111,8 +115,8 @@ int main(int argc, char** argv) {
                  "Reflections between diffuse surfaces; all: by a solver")
       .parameter("bounce_directions", options.bounce_directions, {16, 65536}, "",
                  "Over the sphere, in which the surface looks for itself")
-      .parameter("element", options.element, {0.05, 100}, "texels",
-                 "Longest edge of the triangles that light is solved on")
+      .parameter("elements", options.elements, {1, 4096}, "",
+                 "Across the patch: light is solved on triangles with edges of at most one")
       .parameter("glossy_samples", options.glossy_samples, {16, 4096}, "",
                  "Directions that each look at a glossy surface goes on to, rounded up to batches of 16")
       .parameter("shadows", options.shadows, "Light is blocked by the surface")

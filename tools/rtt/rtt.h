@@ -11,13 +11,16 @@
 #include "formats/radiance_transfer_texture.h"
 #include "patch/patch_geometry.h"
 #include "tools/rtt/light_directions.h"
+#include "tools/rtt/view_dependence.h"
 #include "transport/interreflection.h"
 
 namespace bakelight::rtt {
 
 struct Options {
-  int resolution = 64;    // texels across; as many down as keeps them square
-  int views = 8;          // a side of the grid of views
+  int resolution = 64;  // texels across; as many down as keeps them square
+  // A side of the grid of views. 1: that from straight above stands for all, as it shows each texel what lies at it; a
+  // mean over views would show what lies around it, by how deep it is.
+  int views = 8;
   int supersampling = 2;  // a side, points a texel
   int order = 5;
   LightRule light_rule = LightRule::kGaussLegendre;
@@ -27,19 +30,20 @@ struct Options {
   std::optional<int> bounces = {};  // nothing: all of them
   int bounce_directions = 256;      // over the sphere
   int glossy_samples = 16;          // of each look at a glossy surface
-  double element = 1;               // longest edge of what light is solved on, in texels
+  int elements = 64;                // of the patch's width: longest edge of what light is solved on
 };
 
 struct Figures {
   std::uint64_t surface_triangles = 0, surface_points = 0;
-  double element = 0;      // longest edge of what light was solved on, in texels: as asked for, or longer
-  std::uint64_t rays = 0;  // all of them
+  double longest_edge = 0;        // of what light was solved on, in widths: as asked for, or longer
+  std::uint64_t rays = 0;         // all of them
   std::uint64_t glossy_rays = 0;  // that glossy surfaces mirror
   double hole_share = 0;          // of the rays of all views that meet no surface
   double inside_share = 0;        // of them, that meet the inside of a closed part
   std::uint64_t form_factors = 0, buried_points = 0;
   std::optional<transport::InterreflectionReport> bounced;
   double tree_s = 0, direct_s = 0, seeing_s = 0, solving_s = 0, views_s = 0;  // what took how long
+  ViewDependence view_dependence;
   double depth = 0;  // of the surface, in widths of the patch
   // Share of light that the patch reflects under a uniform sky, over all views by their cosines: what a surface
   // that carries it gives back to others.

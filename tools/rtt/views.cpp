@@ -1,5 +1,6 @@
 #include "tools/rtt/views.h"
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include "tools/rtt/view_rays.h"
 #include "transport/hemisphere_grid.h"
 #include "transport/multiversioned.h"
+#include "transport/random.h"
 #include "transport/sh.h"
 
 namespace bakelight::rtt {
@@ -115,20 +117,23 @@ class RowOfTexels {
         order_(texture.order),
         views_(setting, texture.coefficientCount()),
         mirrored_(setting, texture.coefficientCount()),
+        next_(setting, texture.coefficientCount()),
         basis_(texture.coefficientCount()),
         floats_(texture.coefficientCount()) {}
 
   ViewFigures render(const Vec3& view, int column, int row, int y,
                      formats::RadianceTransferTexture& texture) {
     const int supersampling = setting_.options.supersampling;
-    rowOfViewRays(setting_.geometry, setting_.scene, setting_.options.masking ? view : Vec3(0, 0, 1),
+    views_.rays.clear();
+    const Vec3 looked_along = setting_.options.masking ? view : Vec3(0, 0, 1);
+    rowOfViewRays(setting_.geometry, setting_.scene, looked_along,
                   {texture.width, texture.height, supersampling}, y, views_.rays);
     views_.trace();
     ViewFigures figures{.rays = views_.rays.size()};
     const std::size_t samples = static_cast<std::size_t>(supersampling) * supersampling;
     for (int x = 0; x < texture.width; ++x) {
       const std::span<float> response = texture.response(column, row, x, y);
-      mirrored_.rays.clear(), weights_.clear(), directions_.clear();
+      startPaths();
       for (std::size_t s = 0; s < samples; ++s) {
         const std::size_t ray = static_cast<std::size_t>(x) * samples + s;
         if (!views_.met(ray)) {
@@ -138,10 +143,10 @@ class RowOfTexels {
         } else if (setting_.glossy_samples > 0) {
           const auto texel =
               static_cast<std::uint64_t>(texture.offset(column, row, x, y)) / texture.responseSize();
-          mirror(ray, view, texel * samples + s);
+          mirror(views_, ray, view, setting_.glossy_samples, {1, 1, 1}, texel * samples + s);
         }
       }
-      if (!weights_.empty()) addMirrored(response), figures.glossy_rays += mirrored_.rays.size();
+      figures.glossy_rays += followPaths(response);
       for (float& value : response) value /= static_cast<float>(samples);
       for (std::size_t c = 0; c < 3; ++c)
         figures.weighted_sums[c] += view.z() * response[c * texture.coefficientCount()];
@@ -150,38 +155,62 @@ class RowOfTexels {
   }
 
  private:
-  void mirror(std::size_t ray, const Vec3& view, std::uint64_t element) {
-    const Looks::Place place = views_.placeOf(ray);
+  struct Path {
+    Float3 weight;
+    Vec3 direction;
+    std::uint64_t element;
+  };
+
+  // `count` paths that go on from where a ray met the surface.
+  void mirror(const Looks& looks, std::size_t ray, const Vec3& view, int count, const Float3& weight,
+              std::uint64_t element) {
+    const Looks::Place place = looks.placeOf(ray);
     found_.clear();
-    setting_.reflection.sample(place.normal, view, setting_.glossy_samples, element, found_);
+    setting_.reflection.sample(place.normal, view, count, element, found_);
     for (const GlossySample& sample : found_) {
       if (sample.incoming.dot(place.facet) <= 0 || sample.weight.isZero()) continue;
-      mirrored_.rays.push(place.position + setting_.offset * place.facet, sample.incoming);
-      directions_.push_back(sample.incoming);
-      weights_.push_back(transport::float3(sample.weight / setting_.glossy_samples));
+      const Vec3 all = vec3(weight).cwiseProduct(sample.weight) / count;
+      next_.rays.push(place.position + setting_.offset * place.facet, sample.incoming);
+      next_paths_.push_back(
+          {transport::float3(all), sample.incoming, transport::scrambled(element + next_paths_.size())});
     }
   }
 
-  void addMirrored(std::span<float> response) {
-    if (setting_.options.shadows) mirrored_.trace();
-    for (std::size_t i = 0; i < weights_.size(); ++i) {
-      if (setting_.options.shadows && mirrored_.met(i)) {
-        if (setting_.options.bounces) mirrored_.addDiffuse(i, weights_[i], response);
-      } else if (directions_[i].z() > 0) {
-        transport::evaluateSh(order_, directions_[i], basis_);
-        std::transform(basis_.begin(), basis_.end(), floats_.begin(),
-                       [](double y) { return static_cast<float>(y); });
-        addTinted(floats_.data(), 0, floats_.size(), weights_[i].data(), response.data());
+  void startPaths() { next_.rays.clear(), next_paths_.clear(); }
+
+  // Until all paths have left; how many rays that took.
+  std::uint64_t followPaths(std::span<float> response) {
+    std::uint64_t rays = 0;
+    for (int depth = 0; !next_paths_.empty() && depth <= setting_.options.most_mirrorings; ++depth) {
+      std::swap(next_.rays, mirrored_.rays), std::swap(next_paths_, paths_);
+      startPaths();
+      if (setting_.options.shadows) mirrored_.trace(), rays += paths_.size();
+      for (std::size_t i = 0; i < paths_.size(); ++i) {
+        const Path& path = paths_[i];
+        if (setting_.options.shadows && mirrored_.met(i)) {
+          if (depth == setting_.options.most_mirrorings) continue;
+          mirrored_.addDiffuse(i, path.weight, response);
+          mirror(mirrored_, i, -path.direction, 1, path.weight, path.element);
+        } else if (path.direction.z() > 0) {
+          addSky(path, response);
+        }
       }
     }
+    return rays;
+  }
+
+  void addSky(const Path& path, std::span<float> response) {
+    transport::evaluateSh(order_, path.direction, basis_);
+    std::transform(basis_.begin(), basis_.end(), floats_.begin(),
+                   [](double y) { return static_cast<float>(y); });
+    addTinted(floats_.data(), 0, floats_.size(), path.weight.data(), response.data());
   }
 
   const Setting& setting_;
   int order_;
-  Looks views_, mirrored_;
+  Looks views_, mirrored_, next_;
   std::vector<GlossySample> found_;
-  std::vector<Float3> weights_;
-  std::vector<Vec3> directions_;
+  std::vector<Path> paths_, next_paths_;
   std::vector<double> basis_;
   std::vector<float> floats_;
 };
@@ -195,11 +224,12 @@ ViewFigures renderViews(const patch::PatchGeometry& geometry, const transport::P
   const Setting setting = settingOf(geometry, scene, light, options);
   const auto rows = static_cast<std::size_t>(texture.height);
   std::vector<ViewFigures> parts(texture.viewCount() * rows);
+  tbb::enumerable_thread_specific<RowOfTexels> workspaces([&] { return RowOfTexels(setting, texture); });
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
     const int view = static_cast<int>(part / rows), y = static_cast<int>(part % rows);
     const int column = view % texture.views, row = view / texture.views;
-    parts[part] = RowOfTexels(setting, texture)
-                      .render(transport::hemisphereCell(texture.views, column, row), column, row, y, texture);
+    parts[part] = workspaces.local().render(transport::hemisphereCell(texture.views, column, row), column,
+                                            row, y, texture);
     if (y == 0) progress();
   });
   ViewFigures figures;

@@ -13,11 +13,11 @@
 namespace bakelight::rtt {
 
 struct ViewOptions {
-  int supersampling = 2;    // points a texel, a side
-  bool masking = true;      // without, all views see what lies straight below or above the point
-  bool shadows = true;      // without, all of the sky is mirrored
-  bool bounces = true;      // without, the surface mirrors the sky alone, not itself
-  int glossy_samples = 16;  // directions that each look at a glossy surface goes on to
+  int supersampling = 2;     // points a texel, a side
+  bool masking = true;       // without, all views see what lies straight below or above the point
+  bool shadows = true;       // without, all of the sky is mirrored
+  int most_mirrorings = 64;  // of the surface in itself, on the way to the sky
+  int glossy_samples = 16;   // directions that each look at a glossy surface goes on to
 };
 
 struct ViewFigures {
@@ -30,8 +30,8 @@ struct ViewFigures {
 };
 
 // Fills `texture`, whose sizes, order and views are set. Of each texel evenly spaced points are looked at along each
-// view. What goes through a hole adds nothing. Glossy surfaces mirror the sky and what the surface sends on diffusely:
-// light that is mirrored twice is left out. `progress` is told of views that are done. Threads by TBB, same bytes for
+// view. What goes through a hole adds nothing. Glossy surfaces mirror the sky and the surface itself, again and again.
+// `progress` is told of views that are done. Threads by TBB, same bytes for
 // any number.
 ViewFigures renderViews(const patch::PatchGeometry& geometry, const transport::PeriodicRayScene& scene,
                         const SurfaceLight& light, const ViewOptions& options,

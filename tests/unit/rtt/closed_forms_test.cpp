@@ -26,7 +26,7 @@ RadianceTransferTexture rendered(const PatchGeometry& geometry, const Options& o
 
 Options small(int resolution = 16, int views = 4) {
   Options options;
-  options.resolution = resolution;
+  options.resolution = options.elements = resolution;
   options.views = views;
   return options;
 }
