@@ -80,8 +80,7 @@ class AssetStages {
   static bool mayApply(const LeaveOutRule& rule, const Json& parameters) {
     return std::any_of(rule.set.begin(), rule.set.end(), [&](const auto& change) {
       const auto value = parameters.find(change.first);
-      return value != parameters.end() && value->is_string() &&
-             change.second.count(value->template get<std::string>()) != 0;
+      return value != parameters.end() && rule.changed(change.first, *value).has_value();
     });
   }
 

@@ -32,10 +32,10 @@ std::optional<Omission> judged(const Graph& graph, const Task& task, const TaskR
 bool apply(const LeaveOutRule& rule, Json& parameters) {
   bool changed = false;
   for (const auto& [parameter, values] : rule.set) {
-    if (!parameters.contains(parameter) || !parameters[parameter].is_string()) continue;
-    const auto instead = values.find(parameters[parameter].get<std::string>());
-    if (instead == values.end()) continue;
-    parameters[parameter] = instead->second;
+    if (!parameters.contains(parameter)) continue;
+    auto instead = rule.changed(parameter, parameters[parameter]);
+    if (!instead) continue;
+    parameters[parameter] = std::move(*instead);
     changed = true;
   }
   return changed;

@@ -48,7 +48,7 @@ LeaveOutRule parseRule(const JsonReader& object, Problems& problems) {
   const JsonReader set = object.object("set");
   for (const std::string& parameter : set.keys()) {
     const JsonReader values = set.object(parameter);
-    for (const std::string& value : values.keys()) rule.set[parameter][value] = values.text(value);
+    for (const std::string& value : values.keys()) rule.set[parameter][value] = values.value(value);
   }
   rule.omit = object.boolean("omit", false);
   if (rule.omit && !rule.set.empty())
@@ -59,6 +59,19 @@ LeaveOutRule parseRule(const JsonReader& object, Problems& problems) {
                    "{ parameter: { value: new value } }, or \"omit\": true for the whole stage");
   return rule;
 }
+
+}  // namespace
+
+std::optional<Json> LeaveOutRule::changed(const std::string& parameter, const Json& current) const {
+  const auto values = set.find(parameter);
+  if (values == set.end()) return {};
+  auto instead = values->second.find(current.is_string() ? current.get<std::string>() : current.dump());
+  if (instead == values->second.end()) instead = values->second.find("*");
+  if (instead == values->second.end() || instead->second == current) return {};
+  return instead->second;
+}
+
+namespace {
 
 void parseParameters(const JsonReader& object, RecipeStage& stage, Problems& problems) {
   const JsonReader parameters = object.object("parameters");  // must be an object if it is there

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -40,9 +41,11 @@ struct LeaveOutRule {
   Wire figure;         // a number in a stage's stats, as "survey.bounce_energy"
   double at_most = 0;  // the threshold, inclusive
   Wire error = {};     // the relative error that it adds, likewise; by default the figure itself
-  // Parameter: value → what it becomes. Parameters with other values are not touched, and a rule that would
-  // change nothing is none.
-  std::map<std::string, std::map<std::string, std::string>> set = {};
+  // Parameter: value (as JSON without quotes; "*": any other) → what it becomes. Parameters with other values are not touched,
+  // and a rule that would change nothing is none.
+  std::map<std::string, std::map<std::string, formats::Json>> set = {};
+  // What `current` of a parameter becomes; nothing if it stays.
+  std::optional<formats::Json> changed(const std::string& parameter, const formats::Json& current) const;
   bool omit = false;  // the whole stage, which is not made then; sets nothing
 };
 

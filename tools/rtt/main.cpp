@@ -97,7 +97,7 @@ int main(int argc, char** argv) {
   tool.input("material", "material", material_path,
              "Each material's \"patch\" that has a surface (\"height\" or \"geometry\") is rendered",
              {.required = true, .parts = {"albedo", "reflection", "patch"}})
-      .output("rtt", "rtt", rtt_path, "EXR: a radiance transfer texture for each such material")
+      .output("rtt", "rtt", rtt_path, "EXR: a radiance transfer texture for each such material", false)
       .parameter("resolution", options.resolution, {1, 2048}, "texels", "Of a texture, across")
       .parameter(
           "views", options.views, {1, 32}, "",
@@ -137,6 +137,7 @@ int main(int argc, char** argv) {
     std::vector<formats::RadianceTransferTexture> textures;
     formats::Json stats = formats::Json::array();
     std::uint64_t rays = 0;
+    double view_dependence = 0;
     for (const NamedMaterial& each : named) {
       const patch::PatchGeometry geometry = patch::readPatch(*each.material);
       for (const std::string& note : geometry.notes) run.warn(note);
@@ -144,12 +145,14 @@ int main(int argc, char** argv) {
       made.texture.material = each.name;
       warnOf(each, made.figures, options, run);
       rays += made.figures.rays;
+      view_dependence = std::max(view_dependence, made.figures.view_dependence.from_head_on);
       stats.push_back(toJson(each.name, made));
       textures.push_back(std::move(made.texture));
     }
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    formats::writeRadianceTransferTextures(rtt_path, textures);
+    if (!rtt_path.empty()) formats::writeRadianceTransferTextures(rtt_path, textures);
     run.stat("textures", stats);
+    run.stat("view_dependence", view_dependence);
     run.stat("seconds", seconds);
     run.stat("rays", rays);
     run.stat("rays_per_s", static_cast<double>(rays) / seconds);
