@@ -99,15 +99,22 @@ Patch patchFrom(const JsonReader& object, const FileResolver& files) {
     throw object.at("geometry")
         .error("a patch has one surface, and this one has a \"height\", too",
                "either \"height\" or \"geometry\"");
+  if (const auto rtt = object.find("rtt")) {
+    patch.rtt = fileNamed(*rtt, files);
+    if (patch.height || patch.geometry)
+      throw rtt->error("a patch that is rendered already has no surface to render, and this one has",
+                       "either \"rtt\", or \"height\" or \"geometry\"");
+  }
   if (const auto texture = object.find("texture")) {
     patch.texture = fileNamed(texture->at("file", "a picture"), files);
     texture->refuseOthers();
   }
   if (const auto albedo = object.find("albedo")) patch.albedo = albedo->float3(kShare);
   object.refuseOthers();
-  if (!patch.hasSurface())
-    throw object.error("it has neither a picture nor a surface",
-                       "\"file\": a picture, \"height\": a picture of heights, or \"geometry\": a mesh");
+  if (!patch.hasSurface() && patch.rtt.empty())
+    throw object.error(
+        "it has neither a picture nor a surface",
+        "\"file\": a picture, \"height\": a picture of heights, \"geometry\": a mesh, or \"rtt\"");
   return patch;
 }
 
@@ -161,6 +168,7 @@ Json toJson(const Reflection& reflection) {
 Json toJson(const Patch& patch) {
   Json json = {{"periodic", patch.periodic}};
   if (!patch.file.empty()) json["file"] = patch.file.string();
+  if (!patch.rtt.empty()) json["rtt"] = patch.rtt.string();
   if (patch.width) json["width"] = *patch.width;
   if (patch.height) json["height"] = {{"file", patch.height->file.string()}, {"depth", patch.height->depth}};
   if (patch.geometry) {

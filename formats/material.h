@@ -78,12 +78,14 @@ struct Patch {
   // At most one of the two.
   std::optional<PatchHeight> height = {};
   std::optional<PatchMesh> geometry = {};
+  // Instead of a surface: a texture that is made already, by rtt or of a measured BTF by btf; the first in the file.
+  std::filesystem::path rtt = {};
   // Of the surface: a picture over the patch times the albedo, where there is either.
   std::filesystem::path texture = {};
   std::optional<Float3> albedo = {};
 
   // Flat, with the picture as its colors, where there is neither height nor geometry.
-  bool hasSurface() const { return height || geometry || !file.empty() || !texture.empty(); }
+  bool hasSurface() const { return rtt.empty() && (height || geometry || !file.empty() || !texture.empty()); }
   bool operator==(const Patch&) const = default;
 };
 

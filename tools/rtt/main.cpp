@@ -11,6 +11,7 @@
 #include "formats/material.h"
 #include "patch/read_patch.h"
 #include "tools/rtt/rtt.h"
+#include "tools/rtt/view_dependence.h"
 #include "tools/stage/stage.h"
 #include "transport/ray_scene.h"
 
@@ -23,11 +24,11 @@ struct NamedMaterial {
   const formats::Material* material;
 };
 
-// Those whose patch has a surface; "" is the asset's own.
-std::vector<NamedMaterial> withSurfaces(const formats::Materials& materials) {
+// Those with a patch; "" is the asset's own.
+std::vector<NamedMaterial> withPatches(const formats::Materials& materials) {
   std::vector<NamedMaterial> named;
   const auto take = [&](const std::string& name, const formats::Material& material) {
-    if (material.patch && material.patch->hasSurface()) named.push_back({name, &material});
+    if (material.patch) named.push_back({name, &material});
   };
   take("", materials.base);
   for (const auto& [name, material] : materials.by_name) take(name, material);
@@ -58,6 +59,18 @@ formats::Json toJson(const std::string& name, const rtt::Rtt& made) {
     json["bounce_error_bound"] = figures.bounced->error_bound;
   }
   return json;
+}
+
+// As its file has it, but for the name.
+formats::RadianceTransferTexture readyMade(const NamedMaterial& each, const rtt::Options& options) {
+  const std::filesystem::path& file = each.material->patch->rtt;
+  formats::RadianceTransferTexture texture = std::move(formats::readRadianceTransferTextures(file).front());
+  if (texture.order != options.order)
+    throw badInput({file.string(), "order", ""}, "it has " + std::to_string(texture.order) + " bands",
+                   std::to_string(options.order) + ", as the textures beside it",
+                   "make it again at that order, or give rtt this one's");
+  texture.material = each.name;
+  return texture;
 }
 
 int wholeNumber(double bounces) {
@@ -127,10 +140,10 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](stage::Run& run) {
     if (bounces) options.bounces = wholeNumber(*bounces);
     const formats::Materials materials = formats::readMaterials(material_path);
-    const std::vector<NamedMaterial> named = withSurfaces(materials);
+    const std::vector<NamedMaterial> named = withPatches(materials);
     if (named.empty())
-      throw badInput({material_path.string(), "", "/patch"}, "no material has a patch with a surface",
-                     "a patch with \"height\" or \"geometry\"", "add one to a material's \"patch\"");
+      throw badInput({material_path.string(), "", "/patch"}, "no material has a patch",
+                     "a \"patch\" with \"height\", \"geometry\", \"file\" or \"rtt\"", "add one to a material's \"patch\"");
     stage::Progress progress =
         run.progress("rtt", named.size() * static_cast<std::size_t>(options.views) * options.views, "views");
     const auto start = std::chrono::steady_clock::now();
@@ -139,6 +152,13 @@ int main(int argc, char** argv) {
     std::uint64_t rays = 0;
     double view_dependence = 0;
     for (const NamedMaterial& each : named) {
+      if (!each.material->patch->rtt.empty()) {
+        textures.push_back(readyMade(each, options));
+        progress.advance(options.views * options.views);
+        stats.push_back({{"material", each.name}, {"file", each.material->patch->rtt.string()}});
+        view_dependence = std::max(view_dependence, rtt::viewDependence(textures.back()).from_head_on);
+        continue;
+      }
       const patch::PatchGeometry geometry = patch::readPatch(*each.material);
       for (const std::string& note : geometry.notes) run.warn(note);
       rtt::Rtt made = rtt::makeRtt(geometry, options, [&] { progress.advance(1); });
