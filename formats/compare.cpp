@@ -434,6 +434,29 @@ Comparison compareTensors(const TensorFile& tensors, const TensorFile& reference
   return comparison;
 }
 
+Comparison compareRadianceTransferTextures(std::span<const RadianceTransferTexture> textures,
+                                           std::span<const RadianceTransferTexture> reference,
+                                           const CompareLimits& limits) {
+  const auto layoutOf = [](std::span<const RadianceTransferTexture> all) {
+    Json layout = Json::array();
+    for (const RadianceTransferTexture& each : all)
+      layout.push_back({each.material, each.order, each.views, each.width, each.height});
+    return layout;
+  };
+  Comparison comparison;
+  if (!agree(comparison, "textures (material, order, views, width, height)", layoutOf(textures),
+             layoutOf(reference)))
+    return comparison;
+  for (std::size_t t = 0; t < textures.size(); ++t) {
+    ValueDifference difference;
+    for (std::size_t i = 0; i < textures[t].values.size(); ++i)
+      difference.add(textures[t].values[i], reference[t].values[i]);
+    comparison.compared_values += textures[t].values.size();
+    addValues(comparison, "texture \"" + textures[t].material + "\"", difference, limits);
+  }
+  return comparison;
+}
+
 Comparison compareJson(const Json& json, const Json& reference, const CompareLimits& limits) {
   Comparison comparison;
   JsonComparer(limits, comparison).compare(json, reference, "");
@@ -458,8 +481,8 @@ Comparison comparePacks(const Pack& pack, const Pack& reference, const CompareLi
 }
 
 const std::vector<std::string>& comparedKinds() {
-  static const std::vector<std::string> kinds = {"mesh",    "meso_mesh", "image", "id_map",
-                                                 "tensors", "json",      "pack"};
+  static const std::vector<std::string> kinds = {"mesh", "meso_mesh", "image", "id_map",
+                                                 "rtt",  "tensors",   "json",  "pack"};
   return kinds;
 }
 
@@ -472,6 +495,9 @@ Comparison compareFiles(const std::string& kind, const std::filesystem::path& fi
     const std::vector<std::string> channels = exrChannels(reference);
     return compareIndices(readIndexExr(file, channels), readIndexExr(reference, channels), limits);
   }
+  if (kind == "rtt")
+    return compareRadianceTransferTextures(readRadianceTransferTextures(file),
+                                           readRadianceTransferTextures(reference), limits);
   if (kind == "tensors") return compareTensors(readSafetensors(file), readSafetensors(reference), limits);
   if (kind == "json") return compareJson(readJson(file), readJson(reference), limits);
   if (kind != "pack") throw std::invalid_argument("there is no comparison for files of kind " + kind);

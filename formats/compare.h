@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "formats/json.h"
 #include "formats/meso_mesh.h"
 #include "formats/pack.h"
+#include "formats/radiance_transfer_texture.h"
 #include "formats/tensors.h"
 #include "formats/triangle_mesh.h"
 
@@ -24,12 +26,12 @@ struct CompareLimits {
   double distance = 0;
   // Meshes and packs: largest length of the difference of two normals (of vertices nearest to each other).
   double normal = 0;
-  // Images (per channel), tensors, the tables of packs, texture coordinates and colours of meshes (vertex by
+  // Images (per channel), tensors, radiance transfer textures, the tables of packs, texture coordinates and colours of meshes (vertex by
   // vertex): largest absolute difference of two values.
   double maximum = 0;
   // Images, per channel: root of the mean squared difference.
   double rms = 0;
-  // Tensors and the tables of packs: norm of the difference over the reference's norm. JSON: |a − b| over
+  // Tensors, radiance transfer textures and the tables of packs: norm of the difference over the reference's norm. JSON: |a − b| over
   // the larger magnitude, for numbers with a fraction; integers agree exactly.
   double relative = 0;
   // Images of indices, per channel: share of the values that are another.
@@ -63,12 +65,17 @@ Comparison compareMesoMeshes(const MesoMesh& meso_mesh, const MesoMesh& referenc
                              const CompareLimits& limits);
 Comparison compareImages(const Image& image, const Image& reference, const CompareLimits& limits);
 Comparison compareIndices(const IndexImage& image, const IndexImage& reference, const CompareLimits& limits);
+// Materials, orders, views and sizes exactly; of each texture `relative` and `maximum`.
+Comparison compareRadianceTransferTextures(std::span<const RadianceTransferTexture> textures,
+                                           std::span<const RadianceTransferTexture> reference,
+                                           const CompareLimits& limits);
 Comparison compareTensors(const TensorFile& tensors, const TensorFile& reference,
                           const CompareLimits& limits);
 Comparison compareJson(const Json& json, const Json& reference, const CompareLimits& limits);
 Comparison comparePacks(const Pack& pack, const Pack& reference, const CompareLimits& limits);
 
-// The kinds that compareFiles knows: "mesh" (our PLY), "meso_mesh", "image", "tensors", "json", "pack".
+// The kinds that compareFiles knows: "mesh" (our PLY), "meso_mesh", "image", "id_map",
+// "rtt", "tensors", "json", "pack".
 const std::vector<std::string>& comparedKinds();
 
 // Packs agree in their sections' names, too: a compressed one is not its plain counterpart. Throws

@@ -11,6 +11,7 @@
 #include "formats/json.h"
 #include "formats/mesh_import.h"
 #include "formats/meso_mesh.h"
+#include "formats/radiance_transfer_texture.h"
 #include "tools/inspect/patch_preview.h"
 
 namespace bakelight::inspect {
@@ -68,6 +69,8 @@ const char* nameOf(FileKind kind) {
       return "id_map";
     case FileKind::kBtf:
       return "btf";
+    case FileKind::kRtt:
+      return "rtt";
   }
   return "";
 }
@@ -80,6 +83,7 @@ FileKind kindOfFile(const std::filesystem::path& path) {
   if (ending == ".glb" && isPack(path)) return FileKind::kPack;
   if (ending == ".ply" && formats::isMesoMesh(path)) return FileKind::kMesoMesh;
   if (ending == ".exr" && isIdMap(path)) return FileKind::kIdMap;
+  if (ending == ".exr" && formats::isRadianceTransferTexture(path)) return FileKind::kRtt;
   if (contains(formats::meshFileEndings(), ending)) return FileKind::kMesh;
   if (contains(imageEndings(), ending)) return FileKind::kImage;
   if (ending == ".btf" || ending == ".zip") return FileKind::kBtf;

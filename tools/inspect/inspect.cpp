@@ -10,6 +10,7 @@
 #include "tools/inspect/file_kind.h"
 #include "tools/inspect/patch_figures.h"
 #include "tools/inspect/patch_preview.h"
+#include "tools/inspect/rtt_view.h"
 
 namespace bakelight::inspect {
 namespace {
@@ -63,6 +64,12 @@ void inspectIdMap(const std::filesystem::path& path, const Options& options, Ins
   const formats::IndexImage ids = readIdMap(path);
   inspection.summary.sections = describeIdMap(ids);
   if (options) inspection.preview = previewIdMap(ids, *options);
+}
+
+void inspectRtt(const std::filesystem::path& path, const Options& options, Inspection& inspection) {
+  const std::vector<formats::RadianceTransferTexture> textures = formats::readRadianceTransferTextures(path);
+  inspection.summary.sections = describeRtt(textures);
+  if (options) inspection.preview = previewRtt(textures, *options);
 }
 
 void inspectImage(const std::filesystem::path& path, const Options& options, Inspection& inspection) {
@@ -157,6 +164,9 @@ Inspection inspectFile(const std::filesystem::path& path, const Options& preview
       break;
     case FileKind::kBtf:
       inspectBtf(path, preview, inspection);
+      break;
+    case FileKind::kRtt:
+      inspectRtt(path, preview, inspection);
       break;
   }
   if (inspection.preview)
