@@ -6,6 +6,7 @@
 #include "formats/material.h"
 #include "formats/materials.h"
 #include "formats/meso_mesh.h"
+#include "formats/radiance_transfer_texture.h"
 #include "tools/mesomesh/field/direction_field.h"
 #include "tools/mesomesh/mesh_file.h"
 #include "tools/mesomesh/patches.h"
@@ -16,7 +17,7 @@
 
 int main(int argc, char** argv) {
   using namespace bakelight;
-  std::filesystem::path mesh_path, material_path, hints_path, meso_mesh_path, singularities_path;
+  std::filesystem::path mesh_path, material_path, hints_path, rtt_path, meso_mesh_path, singularities_path;
   mesomesh::RetileOptions options;
   int vertices = static_cast<int>(options.vertices);
   std::string symmetry = "auto", method = "coherent";
@@ -29,6 +30,8 @@ int main(int argc, char** argv) {
              {.required = false, .parts = {"albedo", "patch"}})
       .input("hints", "direction_hints", hints_path,
              "JSON: list of {\"point\": [x, y, z], \"direction\": [x, y, z]} that the texture's u follows",
+             false)
+      .input("rtt", "rtt", rtt_path, "What rtt made of the materials: exemplars of patches without a picture",
              false)
       .output("meso_mesh", "meso_mesh", meso_mesh_path,
               "PLY: even triangles with normals, tangents, places on the exemplar, materials")
@@ -55,8 +58,10 @@ int main(int argc, char** argv) {
     mesomesh::RetiledMesh retiled = mesomesh::retile(file.mesh, options, mesh_path.string());
     for (const std::string& warning : retiled.report.warnings) run.warn(warning);
     const formats::Materials materials = formats::readMaterialsOrDefault(material_path);
+    std::vector<formats::RadianceTransferTexture> transfer;
+    if (!rtt_path.empty()) transfer = formats::readRadianceTransferTextures(rtt_path);
     const mesomesh::Patches patches =
-        mesomesh::readPatches(materials, retiled.mesh.material_names, material_path.string());
+        mesomesh::readPatches(materials, retiled.mesh.material_names, material_path.string(), transfer);
     const bool has_patches = mesomesh::hasPatches(materials);
     const int folds = symmetry != "auto" ? std::stoi(symmetry) : has_patches ? patches.folds() : 1;
     const mesomesh::DirectionField field =

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "formats/color_picture.h"
+#include "tools/mesomesh/transfer_exemplar.h"
 
 namespace bakelight::mesomesh {
 
@@ -40,6 +41,46 @@ Image colorsOf(const std::filesystem::path& file, const Image& image) {
   }
 }
 
+// What an exemplar is made of.
+struct Source {
+  std::string name;
+  Image appearance, colors;
+  std::optional<Image> turn_invariant = {};  // where another picture tells of its symmetry
+};
+
+Source sourceFrom(const formats::Material& material) {
+  if (!material.patch) return {"a plain material", plainTexel(material), plainTexel(material)};
+  Image image = formats::readImage(material.patch->file);
+  Image colors = colorsOf(material.patch->file, image);
+  return {material.patch->file.string(), std::move(image), std::move(colors)};
+}
+
+Source sourceFrom(const formats::RadianceTransferTexture& texture) {
+  return {"the transfer texture of the material \"" + texture.material + "\"", appearanceOf(texture),
+          zenithColors(texture), turnInvariant(texture)};
+}
+
+const formats::RadianceTransferTexture& textureOf(std::span<const formats::RadianceTransferTexture> transfer,
+                                                  const std::string& name, const std::string& file) {
+  const auto found = std::find_if(transfer.begin(), transfer.end(),
+                                  [&](const auto& texture) { return texture.material == name; });
+  if (found != transfer.end()) return *found;
+  throw badInput({file, "", name.empty() ? "/patch" : formats::childPointer("/materials", name) + "/patch"},
+                 "the patch has no picture to lay out, and no transfer texture of it is given",
+                 "\"file\": a picture, or input rtt: what the tool rtt made of these materials");
+}
+
+void add(Patches& patches, Source source, const std::optional<formats::Patch>& patch) {
+  ExemplarSettings settings;
+  if (patch) settings.periodic = patch->periodic;
+  if (patch && patch->width) settings.texel_size = *patch->width / source.appearance.width;
+  Exemplar exemplar = makeExemplar(source.appearance, settings, source.name);
+  if (source.turn_invariant)
+    exemplar.symmetry = makeExemplar(*source.turn_invariant, settings, source.name).symmetry;
+  patches.colors.push_back(std::move(source.colors));
+  patches.exemplars.push_back(std::move(exemplar));
+}
+
 }  // namespace
 
 int Patches::folds() const {
@@ -56,34 +97,28 @@ bool hasPatches(const formats::Materials& materials) {
 }
 
 Patches readPatches(const formats::Materials& materials, const std::vector<std::string>& material_names,
-                    const std::string& file) {
+                    const std::string& file, std::span<const formats::RadianceTransferTexture> transfer) {
   for (const auto& [name, material] : materials.by_name)
     if (std::find(material_names.begin(), material_names.end(), name) == material_names.end())
       throw badInput({file, "", formats::childPointer("/materials", name)},
                      "no face of the mesh has a material of the name \"" + name + "\"");
   Patches patches;
   std::vector<std::optional<formats::Patch>> known;
-  const auto exemplarOf = [&](const formats::Material& material) {
+  const auto exemplarOf = [&](const std::string& name, const formats::Material& material) {
     const auto same = std::find(known.begin(), known.end(), material.patch);
     if (same != known.end() && material.patch) return static_cast<std::uint32_t>(same - known.begin());
     const auto place = static_cast<std::uint32_t>(known.size());
     known.push_back(material.patch);
-    if (material.patch && material.patch->file.empty())
-      throw badInput({file, "", "/patch"}, "the patch has no picture to lay out", "\"file\": a picture");
-    const Image image = material.patch ? formats::readImage(material.patch->file) : plainTexel(material);
-    ExemplarSettings settings;
-    if (material.patch) {
-      settings.periodic = material.patch->periodic;
-      if (material.patch->width) settings.texel_size = *material.patch->width / image.width;
-    }
-    patches.colors.push_back(material.patch ? colorsOf(material.patch->file, image) : image);
-    patches.exemplars.push_back(
-        makeExemplar(image, settings, material.patch ? material.patch->file.string() : "a plain material"));
+    add(patches,
+        material.patch && material.patch->file.empty()
+            ? sourceFrom(textureOf(transfer, materials.by_name.contains(name) ? name : "", file))
+            : sourceFrom(material),
+        material.patch);
     return place;
   };
-  if (material_names.empty()) patches.of_material = {exemplarOf(materials.base)};
+  if (material_names.empty()) patches.of_material = {exemplarOf("", materials.base)};
   for (const std::string& name : material_names)
-    patches.of_material.push_back(exemplarOf(materials.of(name)));
+    patches.of_material.push_back(exemplarOf(name, materials.of(name)));
   return patches;
 }
 

@@ -80,6 +80,16 @@ int wholeNumber(double bounces) {
   return static_cast<int>(bounces);
 }
 
+void requireRoom(const rtt::Options& options, double aspect) {
+  constexpr double kMostValues = 2e9;
+  const double values =
+      std::pow(options.resolution * options.views, 2) * aspect * 3 * std::pow(options.order, 2);
+  if (values > kMostValues)
+    throw Error(ExitStatus::kUsage, {"", "--resolution", ""},
+                "a texture of that size has " + std::to_string(values / 1e9) + " thousand million values",
+                "2 at most", "lessen resolution, views or order");
+}
+
 void warnOf(const NamedMaterial& each, const rtt::Figures& figures, const rtt::Options& options,
             stage::Run& run) {
   constexpr double kSeldom = 1e-3;
@@ -161,6 +171,7 @@ int main(int argc, char** argv) {
       }
       const patch::PatchGeometry geometry = patch::readPatch(*each.material);
       for (const std::string& note : geometry.notes) run.warn(note);
+      requireRoom(options, geometry.aspect);
       rtt::Rtt made = rtt::makeRtt(geometry, options, [&] { progress.advance(1); });
       made.texture.material = each.name;
       warnOf(each, made.figures, options, run);

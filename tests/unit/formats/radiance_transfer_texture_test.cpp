@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "formats/compare.h"
 #include "formats/error.h"
 #include "tests/support/temporary_folder.h"
 
@@ -87,6 +90,20 @@ TEST_F(RadianceTransferTextureTest, WhatDoesNotFitIsRefused) {
   EXPECT_THAT(problemOf(file_), HasSubstr("names no texture"));
   write("{");
   EXPECT_NE(problemOf(file_), "no error");
+}
+
+TEST(RadianceTransferTexture, IsCompared) {
+  RadianceTransferTexture one{.material = "lid", .order = 2, .views = 1, .width = 2, .height = 2};
+  one.allocate();
+  std::fill(one.values.begin(), one.values.end(), 1.0F);
+  RadianceTransferTexture other = one;
+  const CompareLimits limits{.maximum = 0.1, .relative = 0.01};
+  EXPECT_TRUE(compareRadianceTransferTextures({&one, 1}, {&other, 1}, limits).passes());
+  other.values[3] = 1.2F;
+  EXPECT_FALSE(compareRadianceTransferTextures({&one, 1}, {&other, 1}, limits).passes());
+  other = one;
+  other.material = "";
+  EXPECT_EQ(compareRadianceTransferTextures({&one, 1}, {&other, 1}, limits).mismatches.size(), 1U);
 }
 
 }  // namespace
