@@ -233,7 +233,7 @@ TEST(BtfProjection, OfPairsThatLieAnyhowReturnsConstantsAndSmoothFunctions) {
 }
 
 TEST(BtfProjection, GivesTheSameBytesWithAnyNumberOfThreads) {
-  const auto btf = btfOf(measured(formats::directions81(), kLobe, 30, 21));
+  const auto btf = btfOf(measured(formats::directions81(), kLobe, 20, 14));
   std::vector<float> one;
   {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
