@@ -9,6 +9,7 @@
 #include "tools/reference/estimates.h"
 #include "tools/reference/path_tracer.h"
 #include "transport/bi_scale_shading.h"
+#include "transport/hemisphere_grid.h"
 #include "transport/periodic_ray_scene.h"
 #include "transport/random.h"
 
@@ -43,6 +44,33 @@ Image sampledImage(Macro macro, int steps, const Window& window, const Shade& sh
       }
   });
   return image;
+}
+
+std::size_t texelAt(const Eigen::Vector2d& place, int side) {
+  const auto texel = [side](double at) {
+    return std::clamp(static_cast<int>((at - std::floor(at)) * side), 0, side - 1);
+  };
+  return static_cast<std::size_t>(texel(place.y())) * side + texel(place.x());
+}
+
+// Of what is seen through the middle of each texel; rows upwards.
+std::vector<double> heightsTowards(const transport::PeriodicRayScene& scene,
+                                   const patch::PatchGeometry& geometry, int side, const Vec3& view) {
+  const double start = (scene.highest() + 0.01) / view.z();
+  transport::FreeRays rays;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const Vec3 from = Vec3((x + 0.5) / side, (y + 0.5) / side, 0) + start * view;
+      rays.push({from.x() - geometry.period_x * std::floor(from.x() / geometry.period_x),
+                 from.y() - geometry.period_y * std::floor(from.y() / geometry.period_y), from.z()},
+                -view);
+    }
+  transport::HitBundle hits(rays.size());
+  scene.nearestHits(rays, hits);
+  std::vector<double> heights;
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    heights.push_back(hits.blocked[i] != 0 ? (start - hits.distance[i]) * view.z() : scene.lowest());
+  return heights;
 }
 
 }  // namespace
@@ -126,6 +154,37 @@ Image packImage(const formats::Pack& pack, Macro macro, int steps, std::span<con
   });
 }
 
+Image packImageAlongRelief(const formats::Pack& pack, const patch::PatchGeometry& geometry, Macro macro,
+                           int steps, std::span<const Float3> light, const Window& window) {
+  constexpr int kRounds = 3;
+  const auto& rtt = *pack.appearances.front().reflection.as<formats::RttReflection>();
+  const Vec3 eye = window.towardsEye(), view(eye.x(), -eye.z(), eye.y());  // in the patch's frame
+  const transport::GridPosition at = transport::gridPosition(rtt.views, view);
+  const transport::PeriodicRayScene scene(geometry.mesh, {geometry.period_x, geometry.period_y});
+  const auto slope = [](const Vec3& v) { return Eigen::Vector2d(v.x() / v.z(), v.y() / v.z()); };
+  Image image = emptyImage(window.side);
+  for (int k = 0; k < 4; ++k) {
+    const Vec3 cell = transport::hemisphereCell(rtt.views, at.column + k % 2, at.row + k / 2);
+    const float share = (k % 2 == 0 ? 1 - at.across : at.across) * (k / 2 == 0 ? 1 - at.up : at.up);
+    const std::vector<double> heights = heightsTowards(scene, geometry, rtt.width, cell);
+    transport::BiScaleShading shading(pack);
+    shading.setLight(light, {});
+    shading.setView(transport::ViewPoint(kFar * Vec3(cell.x(), cell.z(), -cell.y())));
+    const Image part = sampledImage(macro, steps, window, [&](const MacroPoint&, double across, double up) {
+      const Eigen::Vector2d through(across, up);
+      Eigen::Vector2d place = through;
+      for (int round = 0; round < kRounds; ++round)
+        place = through + heights[texelAt(place, rtt.width)] * (slope(view) - slope(cell));
+      const transport::SurfaceHit hit = macroPoint(macro, steps, place.x(), place.y()).hit;
+      Float3 radiance;
+      shading.radianceAt({&hit, 1}, {&radiance, 1});
+      return radiance;
+    });
+    for (std::size_t i = 0; i < image.values.size(); ++i) add(image.values[i], part.values[i], share);
+  }
+  return image;
+}
+
 NormalMap normalMapOf(const patch::PatchGeometry& geometry, int side) {
   constexpr int kSamples = 4;
   const transport::PeriodicRayScene scene(geometry.mesh, {geometry.period_x, geometry.period_y});
@@ -158,11 +217,8 @@ Image normalMapImage(const NormalMap& map, Macro macro, std::span<const Float3> 
   const int order = static_cast<int>(std::lround(std::sqrt(light.size())));
   const std::vector<double> cosine = transport::clampedCosineFactors(order);
   return sampledImage(macro, 1, window, [&](const MacroPoint& at, double across, double up) {
-    const auto texel = [&](double place) {
-      return std::clamp(static_cast<int>((place - std::floor(place)) * map.side), 0, map.side - 1);
-    };
-    // All meshes have a whole number of patches on either side of the middle.
-    const std::size_t index = static_cast<std::size_t>(texel(up)) * map.side + texel(across);
+    // All macro surfaces have a whole number of patches on either side of the middle.
+    const std::size_t index = texelAt({across, up}, map.side);
     const Vec3 n = at.normal, along = Vec3(1, 0, 0), t = (along - along.dot(n) * n).normalized();
     const Vec3 normal =
         map.normals[index].x() * t + map.normals[index].y() * n.cross(t) + map.normals[index].z() * n;

@@ -27,7 +27,7 @@ struct Extent {
 };
 Extent extentOf(Macro macro) {
   if (macro == Macro::kPlane) return {8, 8};
-  return macro == Macro::kCylinder ? Extent{24, 8} : Extent{12, 12};
+  return macro == Macro::kCylinder ? Extent{24, 4} : Extent{12, 12};
 }
 
 struct Place {

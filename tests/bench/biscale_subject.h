@@ -22,7 +22,7 @@ using transport::Vec3;
 // Macro surfaces around y, their middles facing +y; u along +x, v along −z there.
 enum class Macro {
   kPlane,     // 8 × 8 patches
-  kCylinder,  // 24 × 8 patches, around an axis along z, from outside
+  kCylinder,  // 24 × 4 patches, around an axis along z, from outside
   kTrough     // half a cylinder from inside: 12 × 12 patches, whose sides shadow and light each other
 };
 const char* nameOf(Macro macro);

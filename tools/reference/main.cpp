@@ -1,11 +1,13 @@
 // reference: the picture of a mesh and its material, path-traced without approximations, with its variance.
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "formats/light_rig_file.h"
 #include "formats/material.h"
 #include "formats/mesh_ply.h"
 #include "formats/tensors.h"
+#include "tools/reference/patch_surface.h"
 #include "tools/reference/reference.h"
 #include "tools/stage/frame_options.h"
 #include "transport/ray_scene.h"
@@ -16,6 +18,7 @@ int main(int argc, char** argv) {
   std::filesystem::path mesh_path, material_path, brdf_path, environment_path, lights_path, framing_path,
       image_path;
   reference::ReflectionModel model = reference::ReflectionModel::kPhysical;
+  reference::Patches patches = reference::Patches::kGeometry;
   reference::Options options;
 
   stage::Tool tool("reference",
@@ -34,6 +37,9 @@ int main(int argc, char** argv) {
   stage::declareFrame(tool, options.frame);
   tool.parameter("reflection", model, reference::kReflectionModels,
                  "physical: ggx by microfacets; lobe, table, none: as a pack's parameter of that name says")
+      .parameter("patches", patches, reference::kPatches,
+                 "geometry: materials' patches with a surface stand on their faces as triangles, by texture "
+                 "coordinates; none: faces are smooth")
       .parameter("transport", options.paths.transport, reference::kTransports,
                  "interreflected: bounces are diffuse, as in a bake; shadowed and unshadowed: direct light")
       .parameter("bounces", options.paths.bounces, {0, 1000}, "",
@@ -58,8 +64,9 @@ int main(int argc, char** argv) {
     reference::Surface surface{formats::readPly(mesh_path), {}};
     transport::requireTraceableScale(surface.mesh, mesh_path.string());
     surface.model = model;
-    surface.material = formats::materialsOn(surface.mesh, formats::readMaterialsOrDefault(material_path),
-                                            mesh_path.string(), material_path.string());
+    const formats::Materials materials = formats::readMaterialsOrDefault(material_path);
+    surface.material =
+        formats::materialsOn(surface.mesh, materials, mesh_path.string(), material_path.string());
     if (!brdf_path.empty()) {
       const formats::TensorFile tables = formats::readSafetensors(brdf_path);
       for (const std::string& name : surface.material.names)
@@ -67,6 +74,13 @@ int main(int argc, char** argv) {
           surface.tables[name] = formats::brdfTableFrom(tables, brdf_path.string(), name);
       if (tables.tensors.contains(formats::brdfTensorOf("")))
         surface.tables[""] = formats::brdfTableFrom(tables, brdf_path.string());
+    }
+    if (patches == reference::Patches::kGeometry && reference::hasPatches(materials)) {
+      // Framed as the smooth mesh is, whose picture this is compared with.
+      if (!bounds) bounds = transport::boundingSphere(surface.mesh);
+      reference::PatchedSurface patched = reference::withPatches(surface, materials, mesh_path.string());
+      for (const std::string& note : patched.notes) run.warn(note);
+      surface = std::move(patched.surface);
     }
     const reference::Reference result =
         reference::makeReference(surface, rig, options, bounds, run.progressStyle());

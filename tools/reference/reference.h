@@ -18,6 +18,11 @@ namespace bakelight::reference {
 enum class At { kPixels, kVertices };
 inline constexpr formats::Word<At> kAts[] = {{"pixels", At::kPixels}, {"vertices", At::kVertices}};
 
+// What stands on faces whose material has a patch with a surface.
+enum class Patches { kGeometry, kNone };
+inline constexpr formats::Word<Patches> kPatches[] = {{"geometry", Patches::kGeometry},
+                                                      {"none", Patches::kNone}};
+
 struct Options {
   formats::FrameSettings frame;
   PathOptions paths;

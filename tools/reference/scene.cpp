@@ -25,6 +25,7 @@ TriangleMesh meshInWorld(const TriangleMesh& object, const formats::FrameSetting
   TriangleMesh mesh;
   mesh.positions = object.positions;
   mesh.normals = object.normals;
+  mesh.texcoords = object.texcoords;
   mesh.triangles = object.triangles;
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(frame);
   if (world_from_object.isIdentity(0)) return mesh;
@@ -33,10 +34,9 @@ TriangleMesh meshInWorld(const TriangleMesh& object, const formats::FrameSetting
   return mesh;
 }
 
-std::vector<Float3> frontOrigins(const TriangleMesh& mesh) {
+std::vector<Float3> frontOrigins(const TriangleMesh& mesh, double bias) {
   std::vector<Float3> origins;
-  for (const auto& point : transport::frontPoints(mesh, transport::kDefaultBias))
-    origins.push_back(point.origin);
+  for (const auto& point : transport::frontPoints(mesh, bias)) origins.push_back(point.origin);
   return origins;
 }
 
@@ -79,10 +79,11 @@ Scene::Scene(const Surface& surface, const formats::LightRig& rig, const formats
 Scene::Scene(const Surface& surface, const formats::LightRig& rig, const formats::FrameSettings& frame,
              const transport::BoundingSphere& bounds, const transport::EmitterMesh& emitters)
     : mesh_(meshInWorld(surface.mesh, frame, bounds)),
-      vertex_origins_(frontOrigins(mesh_)),
+      vertex_origins_(frontOrigins(mesh_, surface.bias)),
       albedo_(vec3(surface.material.albedo)),
       vertex_albedo_(surface.material.vertex_albedo),
       materials_(materialsOf(surface)),
+      textures_(surface.textures),
       material_of_triangle_(surface.material.of_triangle),
       material_of_vertex_(materialOfVertices(surface)),
       distant_(rig, transport::worldFromLight(frame)),
@@ -90,10 +91,15 @@ Scene::Scene(const Surface& surface, const formats::LightRig& rig, const formats
       ray_mesh_(joined(mesh_, emitters.mesh)),
       rays_(ray_mesh_),
       emitter_rays_(emitters.mesh),
-      offset_(transport::surfaceOffset(mesh_, transport::kDefaultBias)) {}
+      offset_(transport::surfaceOffset(mesh_, surface.bias)) {}
 
 Rgb Scene::albedoOf(std::uint32_t vertex) const {
   return vertex_albedo_.empty() ? albedo_ : Rgb(vec3(vertex_albedo_[vertex]).array());
+}
+
+Rgb Scene::textureAt(std::uint32_t material, const formats::Float2& texcoord) const {
+  if (material >= textures_.size() || textures_[material] == nullptr) return Rgb::Ones();
+  return vec3(textures_[material]->textureAt(texcoord[0], texcoord[1])).array();
 }
 
 ShadingPoint Scene::pointAt(const transport::Hit& hit) const {
@@ -108,6 +114,14 @@ ShadingPoint Scene::pointAt(const transport::Hit& hit) const {
     if (!vertex_albedo_.empty()) albedo += weights[i] * albedoOf(corners[i]);
   }
   if (vertex_albedo_.empty()) albedo = albedo_;
+  const std::uint32_t material = material_of_triangle_.empty() ? 0 : material_of_triangle_[hit.triangle];
+  if (!textures_.empty()) {
+    formats::Float2 place = {0, 0};
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t c = 0; c < 2; ++c)
+        place[c] += static_cast<float>(weights[i]) * mesh_.texcoords[corners[i]][c];
+    albedo *= textureAt(material, place);
+  }
   const double side = hit.back_face ? -1 : 1;
   const double length = normal.norm();
   // Normals that cancel out leave the triangle's own.
@@ -126,13 +140,14 @@ ShadingPoint Scene::pointAt(const transport::Hit& hit) const {
     const double below = (position - vec3(mesh_.positions[corners[i]])).dot(vertex_normal);
     lift -= weights[i] * std::min(0.0, below) * vertex_normal;
   }
-  return {position + lift + offset_ * normal, normal, albedo,
-          material_of_triangle_.empty() ? 0 : material_of_triangle_[hit.triangle]};
+  return {position + lift + offset_ * normal, normal, albedo, material};
 }
 
 ShadingPoint Scene::pointAtVertex(std::uint32_t vertex) const {
-  return {vec3(vertex_origins_[vertex]), vec3(mesh_.normals[vertex]).normalized(), albedoOf(vertex),
-          material_of_vertex_.empty() ? 0 : material_of_vertex_[vertex]};
+  const std::uint32_t material = material_of_vertex_.empty() ? 0 : material_of_vertex_[vertex];
+  Rgb albedo = albedoOf(vertex);
+  if (!textures_.empty()) albedo *= textureAt(material, mesh_.texcoords[vertex]);
+  return {vec3(vertex_origins_[vertex]), vec3(mesh_.normals[vertex]).normalized(), albedo, material};
 }
 
 }  // namespace bakelight::reference

@@ -2,18 +2,23 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "formats/frame_settings.h"
 #include "formats/light_rig.h"
 #include "formats/material.h"
 #include "formats/triangle_mesh.h"
+#include "patch/patch_geometry.h"
 #include "tools/reference/bsdf.h"
 #include "tools/reference/emitter_sampler.h"
 #include "transport/camera.h"
 #include "transport/ray_scene.h"
+#include "transport/surface_points.h"
 
 namespace bakelight::reference {
 
@@ -31,6 +36,10 @@ struct Surface {
   formats::SurfaceMaterials material;  // of this mesh
   ReflectionModel model = ReflectionModel::kPhysical;
   std::map<std::string, formats::BrdfTable> tables = {};  // with kTable: by material, or "" for all others
+  // By number of the material, or empty: what multiplies the albedo (textureAt of the mesh's texture coordinates).
+  std::vector<std::shared_ptr<const patch::PatchGeometry>> textures = {};
+  // How far off the surface rays start, in radii of the bounding sphere.
+  double bias = transport::kDefaultBias;
 };
 
 class Scene {
@@ -69,13 +78,15 @@ class Scene {
  private:
   Scene(const Surface& surface, const formats::LightRig& rig, const formats::FrameSettings& frame,
         const transport::BoundingSphere& bounds, const transport::EmitterMesh& emitters);
-  Rgb albedoOf(std::uint32_t vertex) const;
+  Rgb albedoOf(std::uint32_t vertex) const;  // without a texture
+  Rgb textureAt(std::uint32_t material, const formats::Float2& texcoord) const;
 
   formats::TriangleMesh mesh_;
   std::vector<transport::Float3> vertex_origins_;
   Rgb albedo_;
   std::vector<transport::Float3> vertex_albedo_;
   std::vector<Glossy> materials_;
+  std::vector<std::shared_ptr<const patch::PatchGeometry>> textures_;
   std::vector<std::uint32_t> material_of_triangle_, material_of_vertex_;  // empty: all have the first
   DistantLightSampler distant_;
   EmitterSampler emitters_;
