@@ -3,7 +3,6 @@
 // frame_ratio = time of a bi-scale frame ÷ time of a frame in which a texture is multiplied by the radiance of vertices. Both
 // with a new view and the same light: radiance transfer is evaluated once and for all.
 #include <benchmark/benchmark.h>
-#include <epoxy/gl.h>
 
 #include <algorithm>
 #include <chrono>

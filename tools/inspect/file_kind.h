@@ -8,7 +8,8 @@ namespace bakelight::inspect {
 enum class FileKind { kMesh, kImage, kTensors, kPack, kMaterial, kRecord, kMesoMesh, kIdMap, kBtf, kRtt };
 
 const char* nameOf(
-    FileKind kind);  // "mesh", "image", "tensors", "pack", "material", "record", "meso_mesh", "id_map", "btf", "rtt"
+    FileKind
+        kind);  // "mesh", "image", "tensors", "pack", "material", "record", "meso_mesh", "id_map", "btf", "rtt"
 
 // Throws Error(kBadInput) that lists what inspect opens, or that the file cannot be read.
 FileKind kindOfFile(const std::filesystem::path& path);

@@ -153,7 +153,8 @@ int main(int argc, char** argv) {
     const std::vector<NamedMaterial> named = withPatches(materials);
     if (named.empty())
       throw badInput({material_path.string(), "", "/patch"}, "no material has a patch",
-                     "a \"patch\" with \"height\", \"geometry\", \"file\" or \"rtt\"", "add one to a material's \"patch\"");
+                     "a \"patch\" with \"height\", \"geometry\", \"file\" or \"rtt\"",
+                     "add one to a material's \"patch\"");
     stage::Progress progress =
         run.progress("rtt", named.size() * static_cast<std::size_t>(options.views) * options.views, "views");
     const auto start = std::chrono::steady_clock::now();

@@ -10,7 +10,7 @@
 
 #include "formats/pack_contents.h"
 #include "formats/rtt_reflection.h"
-#include "tools/player/operators/total_light.h"
+#include "tools/player/lights/total_light.h"
 #include "tools/player/operators/transfer_operator.h"
 #include "tools/player/techniques/technique.h"
 

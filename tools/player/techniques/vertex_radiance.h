@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "formats/pack_contents.h"
+#include "tools/player/lights/total_light.h"
 #include "tools/player/operators/diffuse_pass.h"
-#include "tools/player/operators/total_light.h"
 #include "tools/player/operators/transfer_operator.h"
 #include "tools/player/techniques/glossy_pass.h"
 #include "tools/player/techniques/technique.h"

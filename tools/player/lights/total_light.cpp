@@ -1,4 +1,4 @@
-#include "tools/player/operators/total_light.h"
+#include "tools/player/lights/total_light.h"
 
 #include <stdexcept>
 
