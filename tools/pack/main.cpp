@@ -66,7 +66,7 @@ int main(int argc, char** argv) {
     packing::PatchSources patches;
     if (!rtt_path.empty()) patches = packing::readPatchSources(rtt_path, id_map_path);
     formats::Materials materials = formats::readMaterialsOrDefault(material_path);
-    if (!patches.id_map) patches.widths = packing::patchWidths(materials);
+    packing::takeWidths(materials, patches);
     formats::takePatchAlbedo(materials, patches.textures);
     options.material = formats::materialsOn(mesh, materials, mesh_path.string(), material_path.string());
     const formats::Pack pack =

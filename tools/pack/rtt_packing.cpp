@@ -108,14 +108,13 @@ PatchSources readPatchSources(const std::filesystem::path& rtt, const std::files
   return sources;
 }
 
-std::map<std::string, double> patchWidths(const formats::Materials& materials) {
-  std::map<std::string, double> widths;
-  const auto add = [&](const std::string& name, const formats::Material& material) {
-    if (material.patch && material.patch->width) widths[name] = *material.patch->width;
+void takeWidths(const formats::Materials& materials, PatchSources& patches) {
+  if (patches.id_map) return;
+  const auto take = [&](const std::string& name, const formats::Material& material) {
+    if (material.patch && material.patch->width) patches.widths[name] = *material.patch->width;
   };
-  add("", materials.base);
-  for (const auto& [name, material] : materials.by_name) add(name, material);
-  return widths;
+  take("", materials.base);
+  for (const auto& [name, material] : materials.by_name) take(name, material);
 }
 
 PackedRtt packRtt(const RadianceTransferTexture& texture, const RttPackingOptions& options,

@@ -25,8 +25,8 @@ struct PatchSources {
 // `id_map` may be empty. Throws Error(kBadInput) as the readers of both files.
 PatchSources readPatchSources(const std::filesystem::path& rtt, const std::filesystem::path& id_map);
 
-// Those that materials ask for, by their names.
-std::map<std::string, double> patchWidths(const formats::Materials& materials);
+// Widths that materials give their patches, for patches that lie by texture coordinates; an id map brings its own.
+void takeWidths(const formats::Materials& materials, PatchSources& patches);
 
 struct RttPackingOptions {
   // Principal components are taken until what they leave is less: relative root mean square over all coefficients, views and

@@ -46,6 +46,20 @@ TEST(RttPacking, AllComponentsGiveTheTextureBack) {
         }
 }
 
+// By texture coordinates a patch is as wide as its material says; an id map has widths of its own.
+TEST(RttPacking, WidthsAreTheMaterialsWithoutAnIdMap) {
+  formats::Materials materials;
+  materials.base.patch.emplace().width = 0.25;
+  materials.by_name["hem"].patch.emplace().width = 0.5;
+  materials.by_name["plain"].patch.emplace();
+  PatchSources patches;
+  takeWidths(materials, patches);
+  EXPECT_EQ(patches.widths, (std::map<std::string, double>{{"", 0.25}, {"hem", 0.5}}));
+  PatchSources laid_out{{}, formats::IndexImage(), {{"", 2}}};
+  takeWidths(materials, laid_out);
+  EXPECT_EQ(laid_out.widths, (std::map<std::string, double>{{"", 2}}));
+}
+
 TEST(RttPacking, FewerComponentsErrAsTheySay) {
   const auto texture = madeTexture(3, 8, 8);
   double last = 1;
