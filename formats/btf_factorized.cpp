@@ -1,4 +1,6 @@
+#include <array>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 

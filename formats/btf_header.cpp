@@ -1,6 +1,7 @@
 #include "formats/btf_header.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <numbers>

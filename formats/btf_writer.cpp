@@ -1,9 +1,12 @@
 #include "formats/btf_writer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <Eigen/Core>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>

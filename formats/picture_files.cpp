@@ -4,7 +4,10 @@
 #include <zip.h>
 
 #include <algorithm>
+#include <atomic>
 #include <map>
+#include <memory>
+#include <string_view>
 #include <utility>
 
 #include "formats/error.h"

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <memory>
 #include <numbers>
+#include <utility>
 
 #include "formats/btf_color.h"
 #include "formats/error.h"

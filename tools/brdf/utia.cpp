@@ -1,10 +1,13 @@
 #include "tools/brdf/utia.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <memory>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "formats/error.h"
 

@@ -1,6 +1,7 @@
 #include "tools/btf/crop.h"
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>

@@ -1,9 +1,11 @@
 // btf: a measured material as a radiance transfer texture, and as a `.btf` file.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "formats/btf_pictures.h"

@@ -3,10 +3,13 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <Eigen/Dense>
 #include <numbers>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "tools/btf/scattered_directions.h"
 #include "transport/directions.h"

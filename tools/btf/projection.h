@@ -3,6 +3,7 @@
 // directional light of unit irradiance normal to itself.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
