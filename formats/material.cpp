@@ -100,7 +100,8 @@ Patch patchFrom(const JsonReader& object, const FileResolver& files) {
         .error("a patch has one surface, and this one has a \"height\", too",
                "either \"height\" or \"geometry\"");
   if (const auto rtt = object.find("rtt")) {
-    patch.rtt = fileNamed(*rtt, files);
+    patch.rtt = fileNamed(rtt->at("file", "a file of rtt or btf"), files);
+    rtt->refuseOthers();
     if (patch.height || patch.geometry)
       throw rtt->error("a patch that is rendered already has no surface to render, and this one has",
                        "either \"rtt\", or \"height\" or \"geometry\"");
@@ -168,7 +169,7 @@ Json toJson(const Reflection& reflection) {
 Json toJson(const Patch& patch) {
   Json json = {{"periodic", patch.periodic}};
   if (!patch.file.empty()) json["file"] = patch.file.string();
-  if (!patch.rtt.empty()) json["rtt"] = patch.rtt.string();
+  if (!patch.rtt.empty()) json["rtt"] = {{"file", patch.rtt.string()}};
   if (patch.width) json["width"] = *patch.width;
   if (patch.height) json["height"] = {{"file", patch.height->file.string()}, {"depth", patch.height->depth}};
   if (patch.geometry) {

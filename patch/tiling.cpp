@@ -315,7 +315,8 @@ double expectedTriangles(const PatchGeometry& patch, const std::vector<Facet>& f
 }  // namespace
 
 Tiling tilingOf(const TriangleMesh& surface, double width) {
-  return {transport::surfaceUnitOf(surface) / width, width};
+  const transport::PatchRepeats repeats = transport::patchRepeats(surface, width);
+  return {repeats.repeats, repeats.width};
 }
 
 TiledSurface tiled(const PatchGeometry& patch, const TriangleMesh& surface, const Tiling& tiling,

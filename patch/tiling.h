@@ -14,7 +14,7 @@ struct Tiling {
   double repeats = 1;
   double width = 1;  // of the patch on the surface, in the surface's unit: what heights are multiplied by
 };
-// By a patch of this width, as packs have it: repeats = length on the surface of a unit of texture coordinates ÷ width.
+// By a patch of about this width, as packs have it (transport::patchRepeats).
 Tiling tilingOf(const formats::TriangleMesh& surface, double width);
 
 struct TiledSurface {

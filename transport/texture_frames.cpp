@@ -44,6 +44,13 @@ double surfaceUnitOf(const formats::TriangleMesh& mesh) {
   return area > 0 && plane_area > 0 ? std::sqrt(area / plane_area) : 1;
 }
 
+PatchRepeats patchRepeats(const formats::TriangleMesh& mesh, std::optional<double> width) {
+  const double unit = surfaceUnitOf(mesh);
+  double repeats = unit / width.value_or(unit);
+  if (repeats >= 1) repeats = std::round(repeats);
+  return {repeats, unit / repeats};
+}
+
 TextureFrames textureFrames(const formats::TriangleMesh& mesh) {
   const std::size_t count = mesh.vertexCount();
   if (mesh.normals.size() != count || mesh.texcoords.size() != count)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "formats/triangle_mesh.h"
@@ -22,6 +23,14 @@ TextureFrames textureFrames(const formats::TriangleMesh& mesh);
 // Length on the surface of a unit of texture coordinates: √(area ÷ area in the plane), of the whole mesh; 1 if
 // either is nothing.
 double surfaceUnitOf(const formats::TriangleMesh& mesh);
+
+// How patches of about this width (nothing: as wide as a unit of texture coordinates) repeat along texture coordinates: whole ones
+// to a unit of these, so that what they close stays closed.
+struct PatchRepeats {
+  double repeats = 1;  // patches to a unit of u
+  double width = 1;    // of a patch then, on the surface
+};
+PatchRepeats patchRepeats(const formats::TriangleMesh& mesh, std::optional<double> width);
 
 // A tangent of a unit normal from it alone, without the pole that a fixed axis has (Duff et al. 2017, "Building
 // an Orthonormal Basis, Revisited"); w = 1. Orthonormal to rounding.

@@ -101,15 +101,10 @@ formats::RttReflection texturedReflection(const formats::RadianceTransferTexture
                    "the mesh that atlas wrote, or one with texture coordinates of its own");
   formats::RttReflection reflection = packRtt(texture, options.rtt, files.rtt).reflection;
   const auto given = patches.widths.find(texture.material);
-  const double unit = transport::surfaceUnitOf(mesh);
-  double width = given == patches.widths.end() ? unit : given->second;
-  if (!patches.id_map) {
-    // Whole patches to a unit of texture coordinates, so that what is closed by them stays so.
-    const double repeats = unit / width < 1 ? unit / width : std::round(unit / width);
-    reflection.repeats = static_cast<float>(repeats);
-    width = unit / repeats;
-  }
-  reflection.patch_width = static_cast<float>(width);
+  const auto width = given == patches.widths.end() ? std::nullopt : std::optional(given->second);
+  const transport::PatchRepeats repeats = transport::patchRepeats(mesh, width);
+  reflection.patch_width = static_cast<float>(patches.id_map ? width.value_or(repeats.width) : repeats.width);
+  if (!patches.id_map) reflection.repeats = static_cast<float>(repeats.repeats);
   if (patches.id_map && with_index) reflection.index = packIndex(*patches.id_map);
   return reflection;
 }

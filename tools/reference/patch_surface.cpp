@@ -102,9 +102,11 @@ PatchedSurface withPatches(const Surface& given, const formats::Materials& mater
     auto geometry = std::make_shared<patch::PatchGeometry>(patch::readPatch(material));
     result.notes.insert(result.notes.end(), geometry->notes.begin(), geometry->notes.end());
     // Of the whole mesh, as packs have it.
-    const double unit = given.mesh.texcoords.empty() ? 1 : transport::surfaceUnitOf(given.mesh);
-    const double width = material.patch->width.value_or(unit);
-    const patch::TiledSurface tiled = patch::tiled(*geometry, part, {unit / width, width}, mesh_file);
+    const transport::PatchRepeats repeats = given.mesh.texcoords.empty()
+                                                ? transport::PatchRepeats{}
+                                                : transport::patchRepeats(given.mesh, material.patch->width);
+    const double width = repeats.width;
+    const patch::TiledSurface tiled = patch::tiled(*geometry, part, {repeats.repeats, width}, mesh_file);
     warnOf(tiled, mesh_file, name, result.notes);
     append(tiled.mesh, tiled.mesh.colors, number, surface);
     thinnest = std::min(thinnest, width);

@@ -1,4 +1,5 @@
 #include "patch/tiling.h"
+#include "transport/texture_frames.h"
 
 #include <gtest/gtest.h>
 
@@ -69,7 +70,8 @@ PatchGeometry bumps(int side = 12) {
 }
 
 TriangleMesh laid(const PatchGeometry& patch, const TriangleMesh& surface, double width) {
-  const TiledSurface result = tiled(patch, surface, tilingOf(surface, width), "surface");
+  const TiledSurface result =
+      tiled(patch, surface, {transport::surfaceUnitOf(surface) / width, width}, "surface");
   EXPECT_EQ(result.bare_triangles, 0);
   return result.mesh;
 }
