@@ -108,27 +108,30 @@ TEST(RttFurnace, WhitePitsOfADeepFieldToo) {
 // Inside of the sphere the radiance is ρ f / (1 − ρ(1 − f)) everywhere, on the plate around it, which sees the sky
 // alone, ρ. Each point sees the hole through 128 lights' directions, so single texels scatter about it.
 TEST(RttOfASphericalDimple, IsThatOfTheCavity) {
-  for (const double open : {0.25, 0.1})
-    for (const float albedo : {0.5F, 0.9F, 0.999F, 1.0F}) {
-      Options options = small(32, 1);
-      options.bounce_directions = 512;
-      const double hole = 0.2;
-      const RadianceTransferTexture texture =
-          rendered(tests::dimple(open, hole, 48, {albedo, albedo, albedo}), options);
-      double inside = 0;
-      int count = 0;
-      Extremes plate;
-      forAll(texture, [&](int, int, int x, int y) {
-        const double radius = std::hypot((x + 0.5) / 32 - 0.5, (y + 0.5) / 32 - 0.5);
-        const double radiance = kUniformSky * texture.response(0, 0, x, y)[0];
-        if (radius < hole - 0.04) inside += radiance, ++count;
-        if (radius > hole + 0.07) plate.add(radiance);
-      });
-      const double right = albedo * open / (1 - albedo * (1 - open));
-      EXPECT_NEAR(inside / count, right, 0.03 * right) << open << " " << albedo;
-      EXPECT_NEAR(plate.least, albedo, 1e-5) << open << " " << albedo;
-      EXPECT_NEAR(plate.most, albedo, 1e-5) << open << " " << albedo;
-    }
+  struct Case {
+    double open;
+    float albedo;
+  };
+  for (const auto& [open, albedo] : {Case{0.25, 0.5F}, Case{0.1, 0.9F}, Case{0.25, 0.999F}, Case{0.1, 1}}) {
+    Options options = small(32, 1);
+    options.bounce_directions = 512;
+    const double hole = 0.2;
+    const RadianceTransferTexture texture =
+        rendered(tests::dimple(open, hole, 48, {albedo, albedo, albedo}), options);
+    double inside = 0;
+    int count = 0;
+    Extremes plate;
+    forAll(texture, [&](int, int, int x, int y) {
+      const double radius = std::hypot((x + 0.5) / 32 - 0.5, (y + 0.5) / 32 - 0.5);
+      const double radiance = kUniformSky * texture.response(0, 0, x, y)[0];
+      if (radius < hole - 0.04) inside += radiance, ++count;
+      if (radius > hole + 0.07) plate.add(radiance);
+    });
+    const double right = albedo * open / (1 - albedo * (1 - open));
+    EXPECT_NEAR(inside / count, right, 0.03 * right) << open << " " << albedo;
+    EXPECT_NEAR(plate.least, albedo, 1e-5) << open << " " << albedo;
+    EXPECT_NEAR(plate.most, albedo, 1e-5) << open << " " << albedo;
+  }
 }
 
 // A patch that is turned counter-clockwise by a quarter: so are its texels, its views, and the light that it answers to.
