@@ -6,9 +6,10 @@ OUT      ?= out
 ASSETS   ?= configs/assets/bunny
 DIR      ?=
 RUN_ARGS ?=
+FIGURES  ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help packages configure build tools assets pipeline report play test test-asan test-tsan bench bench-atlas bench-large corpus pictures validate golden-update \
+.PHONY: help packages configure build tools assets pipeline report play test test-asan test-tsan bench bench-atlas bench-large corpus pictures figures validate golden-update \
         lint format clean
 
 help: ## List the targets
@@ -76,6 +77,10 @@ validate: pipeline ## Check the pack with the Khronos glTF validator and assimp
 pictures: tools assets ## Make the pictures of the docs into docs/images/
 	@scripts/system-packages browser
 	@scripts/make-pictures $(BUILD)/bin docs/images
+
+figures: tools assets ## Make the figures of the bi-scale paper with our assets into out/figures/; FIGURES="1 vase" makes some
+	@scripts/system-packages browser
+	@scripts/make-figures $(BUILD)/bin $(OUT)/figures $(FIGURES)
 
 golden-update: build ## Renew the golden outputs of one stage test: make golden-update CASE=name
 	@test -n "$(CASE)" || { echo "usage: make golden-update CASE=name; cases: $$(cd tests/stages && ls -d */ | tr -d / | tr '\n' ' ')"; exit 1; }
