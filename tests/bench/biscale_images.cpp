@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include "tools/reference/estimates.h"
@@ -37,8 +38,9 @@ Image sampledImage(Macro macro, int steps, const Window& window, const Shade& sh
   tbb::parallel_for(0, window.side, [&](int y) {
     for (int x = 0; x < window.side; ++x)
       for (int s = 0; s < kSubsamples * kSubsamples; ++s) {
-        const double across = window.at(x + (s % kSubsamples + 0.5) / kSubsamples),
-                     up = window.at(y + (s / kSubsamples + 0.5) / kSubsamples);
+        const int column = s % kSubsamples, row = s / kSubsamples;
+        const double across = window.at(x + (column + 0.5) / kSubsamples),
+                     up = window.at(y + (row + 0.5) / kSubsamples);
         add(image.values[static_cast<std::size_t>(y) * window.side + x],
             shade(macroPoint(macro, steps, across, up), across, up), 1.0F / (kSubsamples * kSubsamples));
       }
@@ -156,33 +158,51 @@ Image packImage(const formats::Pack& pack, Macro macro, int steps, std::span<con
 
 Image packImageAlongRelief(const formats::Pack& pack, const patch::PatchGeometry& geometry, Macro macro,
                            int steps, std::span<const Float3> light, const Window& window) {
-  constexpr int kRounds = 3;
+  constexpr int kRounds = 5;
   const auto& rtt = *pack.appearances.front().reflection.as<formats::RttReflection>();
   const Vec3 eye = window.towardsEye(), view(eye.x(), -eye.z(), eye.y());  // in the patch's frame
   const transport::GridPosition at = transport::gridPosition(rtt.views, view);
   const transport::PeriodicRayScene scene(geometry.mesh, {geometry.period_x, geometry.period_y});
   const auto slope = [](const Vec3& v) { return Eigen::Vector2d(v.x() / v.z(), v.y() / v.z()); };
-  Image image = emptyImage(window.side);
+  struct View {
+    float share;
+    Eigen::Vector2d shift;  // of places, a unit of height
+    std::vector<double> heights;
+    std::unique_ptr<transport::BiScaleShading> shading;
+  };
+  std::array<View, 4> views;
   for (int k = 0; k < 4; ++k) {
     const Vec3 cell = transport::hemisphereCell(rtt.views, at.column + k % 2, at.row + k / 2);
-    const float share = (k % 2 == 0 ? 1 - at.across : at.across) * (k / 2 == 0 ? 1 - at.up : at.up);
-    const std::vector<double> heights = heightsTowards(scene, geometry, rtt.width, cell);
-    transport::BiScaleShading shading(pack);
-    shading.setLight(light, {});
-    shading.setView(transport::ViewPoint(kFar * Vec3(cell.x(), cell.z(), -cell.y())));
-    const Image part = sampledImage(macro, steps, window, [&](const MacroPoint&, double across, double up) {
-      const Eigen::Vector2d through(across, up);
-      Eigen::Vector2d place = through;
-      for (int round = 0; round < kRounds; ++round)
-        place = through + heights[texelAt(place, rtt.width)] * (slope(view) - slope(cell));
-      const transport::SurfaceHit hit = macroPoint(macro, steps, place.x(), place.y()).hit;
-      Float3 radiance;
-      shading.radianceAt({&hit, 1}, {&radiance, 1});
-      return radiance;
-    });
-    for (std::size_t i = 0; i < image.values.size(); ++i) add(image.values[i], part.values[i], share);
+    View& one = views[static_cast<std::size_t>(k)];
+    one.share = (k % 2 == 0 ? 1 - at.across : at.across) * (k / 2 == 0 ? 1 - at.up : at.up);
+    one.shift = slope(view) - slope(cell);
+    one.heights = heightsTowards(scene, geometry, rtt.width, cell);
+    one.shading = std::make_unique<transport::BiScaleShading>(pack);
+    one.shading->setLight(light, {});
+    one.shading->setView(transport::ViewPoint(kFar * Vec3(cell.x(), cell.z(), -cell.y())));
   }
-  return image;
+  return sampledImage(macro, steps, window, [&](const MacroPoint&, double across, double up) {
+    const Eigen::Vector2d through(across, up);
+    Float3 sum = {0, 0, 0};
+    float weights = 0;
+    for (const View& one : views) {
+      Eigen::Vector2d place = through, next = through;
+      for (int round = 0; round < kRounds; ++round) {
+        place = next;
+        next = through + one.heights[texelAt(place, rtt.width)] * one.shift;
+      }
+      // A view that does not see what the ray meets finds no place to settle at.
+      const double off_texels = (next - place).norm() * rtt.width;
+      const float weight = one.share * static_cast<float>(1e-3 + std::exp(-off_texels * off_texels));
+      const transport::SurfaceHit hit = macroPoint(macro, steps, next.x(), next.y()).hit;
+      Float3 radiance;
+      one.shading->radianceAt({&hit, 1}, {&radiance, 1});
+      add(sum, radiance, weight);
+      weights += weight;
+    }
+    for (float& value : sum) value /= weights;
+    return sum;
+  });
 }
 
 NormalMap normalMapOf(const patch::PatchGeometry& geometry, int side) {
@@ -192,10 +212,11 @@ NormalMap normalMapOf(const patch::PatchGeometry& geometry, int side) {
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x) {
       transport::FreeRays rays;
-      for (int s = 0; s < kSamples * kSamples; ++s)
-        rays.push(Vec3((x + (s % kSamples + 0.5) / kSamples) / side,
-                       (y + (s / kSamples + 0.5) / kSamples) / side, scene.highest() + 0.1),
-                  Vec3(0, 0, -1));
+      for (int j = 0; j < kSamples; ++j)
+        for (int i = 0; i < kSamples; ++i)
+          rays.push(Vec3((x + (i + 0.5) / kSamples) / side, (y + (j + 0.5) / kSamples) / side,
+                         scene.highest() + 0.1),
+                    Vec3(0, 0, -1));
       transport::HitBundle hits(rays.size());
       scene.nearestHits(rays, hits);
       Vec3 normal = Vec3::Zero();
