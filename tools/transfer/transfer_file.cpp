@@ -69,7 +69,8 @@ void addGlossy(const TransferSettings& settings, const Transfer& baked, const st
   const auto channels = static_cast<std::uint64_t>(baked.channels);
   const std::uint64_t rows = squared(settings.options.row_order), columns = squared(settings.options.order);
   contents.metadata["row_order"] = std::to_string(settings.options.row_order);
-  contents.metadata["horizon"] = formats::wordFor(kHorizons, settings.horizon);
+  if (settings.horizon == Horizon::kOpen)
+    contents.metadata["horizon"] = formats::wordFor(kHorizons, settings.horizon);
   contents.metadata["storage"] = formats::wordFor(kStorages, settings.storage);
   contents.addRows<4>("tangent", baked.tangents);
   if (cpca) {
