@@ -126,7 +126,8 @@ TEST(ExamplePack, OfAnUnknownKindNamesWhatIsKnown) {
     message = error.what();
   }
   formats::reflectionKinds().push_back(formats::PackPartKind::of<NormalReflection>());
-  EXPECT_THAT(message, testing::AllOf(HasSubstr("normals"), HasSubstr("lambert, phong, ggx, table or radiance_transfer_texture")));
+  EXPECT_THAT(message, testing::AllOf(HasSubstr("normals"),
+                                      HasSubstr("lambert, phong, ggx, table or radiance_transfer_texture")));
 }
 
 TEST(ExamplePack, IsInspectedAndPreviewedWithoutAnotherLine) {
