@@ -22,7 +22,7 @@ std::vector<std::array<int, 3>> delaunayTriangles(std::span<const PlanePoint> po
   std::vector<std::array<int, 3>> triangles;
   for (auto face = triangulation.finite_faces_begin(); face != triangulation.finite_faces_end(); ++face) {
     std::array<int, 3> corners = {face->vertex(0)->info(), face->vertex(1)->info(), face->vertex(2)->info()};
-    std::ranges::rotate(corners, std::ranges::min_element(corners));
+    std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
     triangles.push_back(corners);
   }
   std::ranges::sort(triangles);

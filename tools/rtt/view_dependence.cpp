@@ -29,8 +29,7 @@ std::vector<double> headOnWeights(const RadianceTransferTexture& texture) {
   for (int j = 0; j < 2; ++j)
     for (int i = 0; i < 2; ++i) {
       const double weight = (i == 1 ? at.across : 1 - at.across) * (j == 1 ? at.up : 1 - at.up);
-      if (weight > 0)
-        weights[static_cast<std::size_t>((at.row + j) * texture.views + at.column + i)] += weight;
+      if (weight > 0) weights[static_cast<std::size_t>(at.row + j) * texture.views + at.column + i] += weight;
     }
   return weights;
 }
