@@ -41,6 +41,8 @@ void RttReflection::describe(FieldVisitor& fields) {
     fields.image("places", image);
     fields.require(image.channels == std::vector<std::string>{"U", "V"}, "places", "its channels are others",
                    "U and V", "");
+    fields.require(image.texels.precision == Precision::kUint8, "places", "its values are not of 8 bits",
+                   "uint8, as players look it up", "");
   });
 }
 

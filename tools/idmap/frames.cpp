@@ -10,9 +10,9 @@ namespace bakelight::idmap {
 
 using formats::Float4;
 
-std::vector<Float4> patchFrames(const formats::TriangleMesh& mesh, const formats::MesoMesh& meso,
-                                const std::vector<std::uint32_t>& triangle_materials, std::size_t neighbors,
-                                const std::string& meso_file) {
+PatchFrames patchFrames(const formats::TriangleMesh& mesh, const formats::MesoMesh& meso,
+                        const std::vector<std::uint32_t>& triangle_materials, std::size_t neighbors,
+                        const std::string& meso_file) {
   if (meso.symmetry != 1)
     throw badInput({meso_file, "symmetry", ""},
                    "its tangents are turned by " + std::to_string(360 / meso.symmetry) +
@@ -25,12 +25,14 @@ std::vector<Float4> patchFrames(const formats::TriangleMesh& mesh, const formats
     for (const std::uint32_t v : mesh.triangles[t]) shots[v].material = triangle_materials[t];
   std::vector<std::uint32_t> found(shots.size(), NormalShooting::kNone);
   NormalShooting({meso.mesh, meso.materials}, neighbors).shoot(shots, found);
-  std::vector<Float4> tangents(shots.size());
-  for (std::size_t v = 0; v < shots.size(); ++v)
-    tangents[v] = found[v] == NormalShooting::kNone
-                      ? transport::anyTangent(mesh.normals[v])
-                      : transport::tangentAlong(meso.tangents[found[v]], mesh.normals[v], 1.0F);
-  return tangents;
+  PatchFrames frames{std::vector<Float4>(shots.size())};
+  for (std::size_t v = 0; v < shots.size(); ++v) {
+    if (found[v] == NormalShooting::kNone) ++frames.undetermined;
+    frames.tangents[v] = found[v] == NormalShooting::kNone
+                             ? transport::anyTangent(mesh.normals[v])
+                             : transport::tangentAlong(meso.tangents[found[v]], mesh.normals[v], 1.0F);
+  }
+  return frames;
 }
 
 void writeFrames(const std::filesystem::path& path, const std::vector<Float4>& tangents,

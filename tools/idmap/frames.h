@@ -14,9 +14,13 @@ namespace bakelight::idmap {
 // the vertex's normal, with w = 1; a vertex that none faces has any tangent. `triangle_materials` as
 // IdMapOptions. Throws Error(kBadInput) naming `meso_file` if the tangents are of a symmetry: where frames
 // are turned, those of neighbors do not interpolate.
-std::vector<formats::Float4> patchFrames(const formats::TriangleMesh& mesh, const formats::MesoMesh& meso,
-                                         const std::vector<std::uint32_t>& triangle_materials,
-                                         std::size_t neighbors, const std::string& meso_file);
+struct PatchFrames {
+  std::vector<formats::Float4> tangents;
+  std::size_t undetermined = 0;  // vertices that no meso-vertex faces: any tangent
+};
+PatchFrames patchFrames(const formats::TriangleMesh& mesh, const formats::MesoMesh& meso,
+                        const std::vector<std::uint32_t>& triangle_materials, std::size_t neighbors,
+                        const std::string& meso_file);
 
 // Tensor "tangent" (n × 4) with the metadata mesh_hash, for transfer.
 void writeFrames(const std::filesystem::path& path, const std::vector<formats::Float4>& tangents,

@@ -40,12 +40,15 @@ int main(int argc, char** argv) {
       const formats::TriangleMesh atlas = formats::readPly(atlas_path);
       materials =
           idmap::triangleMaterials(atlas, atlas_path.string(), meso.mesh.material_names, meso_path.string());
-      if (!frames_path.empty())
-        idmap::writeFrames(
-            frames_path,
-            idmap::patchFrames(atlas, meso, materials, static_cast<std::size_t>(options.neighbors),
-                               meso_path.string()),
-            atlas);
+      if (!frames_path.empty()) {
+        const idmap::PatchFrames frames = idmap::patchFrames(
+            atlas, meso, materials, static_cast<std::size_t>(options.neighbors), meso_path.string());
+        idmap::writeFrames(frames_path, frames.tangents, atlas);
+        run.stat("undetermined_frames", frames.undetermined);
+        if (frames.undetermined > 0)
+          run.warn(std::to_string(frames.undetermined) +
+                   " vertices face no vertex of the meso-mesh: their frames follow the normal alone");
+      }
     } else if (!frames_path.empty()) {
       throw badInput({"", "", "/frames"}, "frames are those of an atlas's vertices", "an input atlas");
     }

@@ -66,20 +66,22 @@ int main(int argc, char** argv) {
     packing::PatchSources patches;
     if (!rtt_path.empty()) patches = packing::readPatchSources(rtt_path, id_map_path);
     formats::Materials materials = formats::readMaterialsOrDefault(material_path);
-    packing::takeWidths(materials, patches);
+    packing::takeMaterials(materials, patches);
     formats::takePatchAlbedo(materials, patches.textures);
     options.material = formats::materialsOn(mesh, materials, mesh_path.string(), material_path.string());
+    std::vector<packing::TextureFigures> textures;
     const formats::Pack pack =
         packing::assemblePack(std::move(mesh), transfer, brdf ? &*brdf : nullptr, options,
                               {mesh_path.string(), transfer_path.string(), brdf_path.string(),
                                material_path.string(), rtt_path.string(), id_map_path.string()},
-                              patches);
+                              patches, &textures);
     formats::Pack ordered = pack;
     if (const std::size_t dropped = packing::orderByMaterial(ordered); dropped > 0)
       run.warn(std::to_string(dropped) + " vertices without a triangle were left out");
     const formats::Bytes bytes = formats::encodePack(ordered, file_options, pack_path.string());
     formats::writeFileAtomically(pack_path, bytes);
     packing::report(pack, transfer, bytes, pack_path.string(), run);
+    if (!textures.empty()) run.stat("textures", packing::toJson(textures));
     packing::warnOfLobe(pack, options.material, run);
   });
 }

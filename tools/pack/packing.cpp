@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <utility>
 #include <variant>
 
@@ -88,38 +89,46 @@ const formats::RadianceTransferTexture* textureOf(const PatchSources& patches, c
     if (texture.material == material) return &texture;
     if (texture.material.empty()) own = &texture;
   }
-  return own;
+  return patches.own_materials.contains(material) ? nullptr : own;
 }
 
+// `material` as the mesh calls it.
 formats::RttReflection texturedReflection(const formats::RadianceTransferTexture& texture,
-                                          const formats::TriangleMesh& mesh, const PackingOptions& options,
-                                          const PatchSources& patches, bool with_index,
-                                          const SourceNames& files) {
+                                          const std::string& material, const formats::TriangleMesh& mesh,
+                                          const PackingOptions& options, const PatchSources& patches,
+                                          bool with_index, const SourceNames& files,
+                                          std::vector<TextureFigures>* figures) {
   if (mesh.texcoords.size() != mesh.vertexCount())
     throw badInput({files.mesh, "", "/rtt"},
                    "a patch is looked up by texture coordinates, which this mesh has none of",
                    "the mesh that atlas wrote, or one with texture coordinates of its own");
-  formats::RttReflection reflection = packRtt(texture, options.rtt, files.rtt).reflection;
-  const auto given = patches.widths.find(texture.material);
+  PackedRtt packed = packRtt(texture, options.rtt, files.rtt);
+  formats::RttReflection& reflection = packed.reflection;
+  auto given = patches.widths.find(material);
+  if (given == patches.widths.end()) given = patches.widths.find(texture.material);
   const auto width = given == patches.widths.end() ? std::nullopt : std::optional(given->second);
   const transport::PatchRepeats repeats = transport::patchRepeats(mesh, width);
   reflection.patch_width = static_cast<float>(patches.id_map ? width.value_or(repeats.width) : repeats.width);
   if (!patches.id_map) reflection.repeats = static_cast<float>(repeats.repeats);
   if (patches.id_map && with_index) reflection.index = packIndex(*patches.id_map);
-  return reflection;
+  if (figures != nullptr)
+    figures->push_back({material, reflection.components, packed.error, double{reflection.patch_width}});
+  return std::move(packed.reflection);
 }
 
 // One for each material that a triangle has; one without a name for a mesh that tells none apart.
 std::vector<formats::Appearance> appearancesOf(formats::TriangleMesh& mesh, const PackingOptions& options,
                                                int output_order, const TensorFile* brdf,
-                                               const SourceNames& files, const PatchSources& patches) {
+                                               const SourceNames& files, const PatchSources& patches,
+                                               std::vector<TextureFigures>* figures) {
   const formats::SurfaceMaterials& material = options.material;
   bool has_index = false;
   const auto reflectionAt = [&](std::size_t triangle) -> formats::PackPart {
     const std::size_t index = material.of_triangle.empty() ? 0 : material.of_triangle[triangle];
     if (const auto* texture = textureOf(patches, material.names[index])) {
       const bool with_index = !std::exchange(has_index, true);
-      return texturedReflection(*texture, mesh, options, patches, with_index, files);
+      return texturedReflection(*texture, material.names[index], mesh, options, patches, with_index, files,
+                                figures);
     }
     return reflectionFor(material.reflections[index], material.names[index], output_order, options, brdf,
                          files);
@@ -187,9 +196,19 @@ double relativeError(const EncodedTable& table, std::span<const float> original)
 
 }  // namespace
 
+formats::Json toJson(const std::vector<TextureFigures>& textures) {
+  formats::Json json = formats::Json::array();
+  for (const TextureFigures& texture : textures)
+    json.push_back({{"material", texture.material},
+                    {"components", texture.components},
+                    {"error", texture.error},
+                    {"patch_width", texture.patch_width}});
+  return json;
+}
+
 formats::Pack assemblePack(formats::TriangleMesh mesh, const TensorFile& transfer, const TensorFile* brdf,
                            const PackingOptions& options, const SourceNames& files,
-                           const PatchSources& patches) {
+                           const PatchSources& patches, std::vector<TextureFigures>* textures) {
   const TensorSource source(transfer, files.transfer,
                             "bake it again, for this mesh and by the transfer tool of this version");
   formats::ShTransfer read = readTransfer(source, mesh.vertexCount(), options.precision);
@@ -197,7 +216,7 @@ formats::Pack assemblePack(formats::TriangleMesh mesh, const TensorFile& transfe
   requireSameAlbedo(source, mesh.vertexCount(), options.material);
   const int output_order = read.glossy ? read.glossy->output_order : 0;
   std::vector<formats::Appearance> appearances =
-      appearancesOf(mesh, options, output_order, brdf, files, patches);
+      appearancesOf(mesh, options, output_order, brdf, files, patches, textures);
   formats::Pack pack{options.name, std::move(mesh), {}, std::move(read), std::move(appearances)};
   takeAlbedo(options.material, pack);
   checkCombination(pack, files);

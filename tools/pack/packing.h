@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/json.h"
 #include "formats/material.h"
 #include "formats/pack.h"
 #include "formats/tensors.h"
@@ -39,6 +40,15 @@ struct PackingOptions {
   RttPackingOptions rtt;
 };
 
+// What an appearance's radiance transfer texture became.
+struct TextureFigures {
+  std::string material;
+  int components = 0;
+  double error = 0;  // that the components leave (PackedRtt)
+  double patch_width = 0;
+};
+formats::Json toJson(const std::vector<TextureFigures>& textures);
+
 // `transfer` is the transfer stage's file and `brdf` (null without one) the brdf tool's; docs/FORMATS.md has
 // both. Throws Error(kBadInput) naming tensor or key if one says something that a pack of this version cannot
 // hold, if a shape does not fit the mesh, or if it was baked for another mesh or another albedo than the
@@ -48,7 +58,8 @@ struct PackingOptions {
 // in order by orderByMaterial. The pack itself is judged by formats::encodePack.
 formats::Pack assemblePack(formats::TriangleMesh mesh, const formats::TensorFile& transfer,
                            const formats::TensorFile* brdf, const PackingOptions& options,
-                           const SourceNames& files, const PatchSources& patches = {});
+                           const SourceNames& files, const PatchSources& patches = {},
+                           std::vector<TextureFigures>* textures = nullptr);
 
 // Triangles and vertices in the order of the pack's appearances; a vertex that two of them share becomes two.
 // Vertices without a triangle are dropped then, and counted; with one appearance nothing changes.

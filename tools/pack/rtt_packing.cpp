@@ -108,7 +108,8 @@ PatchSources readPatchSources(const std::filesystem::path& rtt, const std::files
   return sources;
 }
 
-void takeWidths(const formats::Materials& materials, PatchSources& patches) {
+void takeMaterials(const formats::Materials& materials, PatchSources& patches) {
+  for (const auto& [name, material] : materials.by_name) patches.own_materials.insert(name);
   if (patches.id_map) return;
   const auto take = [&](const std::string& name, const formats::Material& material) {
     if (material.patch && material.patch->width) patches.widths[name] = *material.patch->width;

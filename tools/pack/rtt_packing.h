@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,12 +22,14 @@ struct PatchSources {
   std::optional<formats::IndexImage> id_map;
   // By material: the width of its patch in the mesh's unit.
   std::map<std::string, double> widths;
+  // Names that have a material of their own: without a texture of that name they have no patch, whatever the asset's own has.
+  std::set<std::string> own_materials = {};
 };
 // `id_map` may be empty. Throws Error(kBadInput) as the readers of both files.
 PatchSources readPatchSources(const std::filesystem::path& rtt, const std::filesystem::path& id_map);
 
-// Widths that materials give their patches, for patches that lie by texture coordinates; an id map brings its own.
-void takeWidths(const formats::Materials& materials, PatchSources& patches);
+// What materials say of patches: their names, and widths of patches that lie by texture coordinates; an id map brings its own.
+void takeMaterials(const formats::Materials& materials, PatchSources& patches);
 
 struct RttPackingOptions {
   // Principal components are taken until what they leave is less: relative root mean square over all coefficients, views and

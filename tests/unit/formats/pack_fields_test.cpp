@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <set>
 #include <string_view>
 #include <utility>
 
 #include "formats/compare.h"
 #include "formats/pack.h"
+#include "formats/rtt_reflection.h"
+#include "tests/support/made_rtt.h"
 #include "tests/unit/formats/test_packs.h"
 
 namespace bakelight::formats {
@@ -105,6 +108,39 @@ TEST_P(EveryField, IsWrittenAndRead) {
     const Comparison comparison = comparePacks(roundTrip(changed, {}), changed, {});
     EXPECT_TRUE(comparison.passes()) << testing::PrintToString(comparison.mismatches);
   });
+}
+
+// Those of a radiance transfer texture, too; its sizes but for `repeats` and the width follow from each other.
+TEST(EveryFieldOfATexture, IsComparedWrittenAndRead) {
+  Pack source = glossyPack(wavyGrid(4), Storage::kMatrix, Precision::kFloat32, Lobe::kNone);
+  RttReflection rtt = tests::madeRtt(3, 2, 4, 3, 5);
+  rtt.index = tests::madeIndex(8, 4);
+  reflectionOf(source) = rtt;
+  std::set<std::string> tested;
+  for (std::size_t i = 0;; ++i) {
+    Pack pack = source;
+    FieldChanger changer(i);
+    reflectionOf(pack).describe(changer);
+    const std::string& name = changer.changedName();
+    if (name.empty()) break;
+    if (isSize(name) || name == "views" || name == "width" || name == "height" || name == "components")
+      continue;
+    SCOPED_TRACE(name);
+    EXPECT_FALSE(comparePacks(pack, source, {}).passes());
+    for (const bool draco : {false, true}) {
+      const Pack read = roundTrip(pack, {.draco = draco});
+      const auto* texture = reflectionOf(const_cast<Pack&>(read)).as<RttReflection>();
+      ASSERT_NE(texture, nullptr);
+      const auto& changed = reflectionAs<RttReflection>(pack);
+      EXPECT_EQ(texture->factors.data, changed.factors.data);
+      EXPECT_EQ(texture->basis, changed.basis);
+      EXPECT_EQ(texture->index->texels.data, changed.index->texels.data);
+      EXPECT_EQ(texture->patch_width, changed.patch_width);
+      EXPECT_EQ(texture->repeats, changed.repeats);
+    }
+    tested.insert(name);
+  }
+  EXPECT_EQ(tested, (std::set<std::string>{"patchWidth", "factors", "basis", "repeats", "places"}));
 }
 
 // Each row that belongs to a vertex stands where Draco has put the vertex, told by its position; the test

@@ -53,10 +53,11 @@ TEST(RttPacking, WidthsAreTheMaterialsWithoutAnIdMap) {
   materials.by_name["hem"].patch.emplace().width = 0.5;
   materials.by_name["plain"].patch.emplace();
   PatchSources patches;
-  takeWidths(materials, patches);
+  takeMaterials(materials, patches);
   EXPECT_EQ(patches.widths, (std::map<std::string, double>{{"", 0.25}, {"hem", 0.5}}));
+  EXPECT_EQ(patches.own_materials, (std::set<std::string>{"hem", "plain"}));
   PatchSources laid_out{{}, formats::IndexImage(), {{"", 2}}};
-  takeWidths(materials, laid_out);
+  takeMaterials(materials, laid_out);
   EXPECT_EQ(laid_out.widths, (std::map<std::string, double>{{"", 2}}));
 }
 
