@@ -198,7 +198,7 @@ const Cause kCauses[] = {{"as_it_is"},
                          {"views_16", {.views = 16}},
                          {"resolution_128", {.resolution = 128}},
                          {"macro_finer", {.macro_steps = 6}},
-                         {"open_horizon", {.open_horizon = true}},
+                         {"cut_horizon", {.open_horizon = false}},
                          {"along_relief", {}, true}};
 
 void causes(benchmark::State& state) {

@@ -12,7 +12,9 @@
 #include "patch/tiling.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/pack/packing.h"
+#include "tools/transfer/open_horizon.h"
 #include "tools/transfer/transfer_file.h"
+#include "transport/bi_scale_comparison.h"
 #include "transport/bi_scale_shading.h"
 #include "transport/sh.h"
 #include "transport/texture_frames.h"
@@ -65,45 +67,11 @@ transfer::Transfer bake(const TriangleMesh& mesh, const std::vector<Float3>& alb
   return transfer::bakeTransfer(mesh, albedo, options, silent);
 }
 
-// Light as a vertex's frame has it, count × count: rotations.
-std::vector<float> rotations(const TriangleMesh& mesh, const std::vector<formats::Float4>& tangents,
-                             int order, int channels) {
-  const int count = transport::coefficientCount(order);
-  std::vector<float> matrices;
-  for (std::size_t v = 0; v < mesh.vertexCount(); ++v) {
-    const Vec3 normal = transport::vec3(mesh.normals[v]),
-               along(tangents[v][0], tangents[v][1], tangents[v][2]);
-    Eigen::Matrix3d local;
-    local << along.transpose(), (tangents[v][3] * normal.cross(along)).transpose(), normal.transpose();
-    const transport::ShRotation rotation(order, local);
-    Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> matrix(count, count);
-    matrix.setZero();
-    for (int l = 0; l < order; ++l)
-      matrix.block(l * l, l * l, 2 * l + 1, 2 * l + 1) = rotation.band(l).cast<float>();
-    for (int c = 0; c < channels; ++c)
-      matrices.insert(matrices.end(), matrix.data(),
-                      matrix.data() + static_cast<std::ptrdiff_t>(count) * count);
-  }
-  return matrices;
-}
-
-// What the vertices' own horizons take away, given back.
-void openHorizons(const TriangleMesh& mesh, transfer::TransferOptions options, transfer::Transfer& baked) {
-  options.transport = transfer::Transport::kUnshadowed;
-  const std::vector<float> cut = bake(mesh, {}, options).matrices,
-                           whole = rotations(mesh, baked.tangents, options.order, 1);
-  const std::size_t size = cut.size() / mesh.vertexCount();
-  for (std::size_t i = 0; i < baked.matrices.size(); ++i) {
-    const std::size_t vertex = i / (size * static_cast<std::size_t>(baked.channels)), entry = i % size;
-    baked.matrices[i] += whole[vertex * size + entry] - cut[vertex * size + entry];
-  }
-}
-
 formats::Pack packOf(const TriangleMesh& mesh, const rtt::Rtt& rtt, const BakeVariant& variant) {
   const transfer::TransferSettings settings = settingsOf(mesh, variant);
   const std::vector<Float3> albedo = {rtt.figures.mean_albedo};
   transfer::Transfer baked = bake(mesh, albedo, settings.options);
-  if (variant.open_horizon) openHorizons(mesh, settings.options, baked);
+  if (variant.open_horizon) transfer::openHorizons(mesh, settings.options, baked);
   const tests::TemporaryFolder folder;
   transfer::writeTransfer(folder / "transfer.safetensors", mesh, settings, albedo, baked, {});
   packing::PackingOptions options;
@@ -111,15 +79,6 @@ formats::Pack packOf(const TriangleMesh& mesh, const rtt::Rtt& rtt, const BakeVa
   packing::PatchSources patches{{rtt.texture}, {}, {{"", kPatchWidth}}};
   return packing::assemblePack(mesh, formats::readSafetensors(folder / "transfer.safetensors"), nullptr,
                                options, {"mesh", "transfer", "", "material", "rtt"}, patches);
-}
-
-formats::Pack withoutMacro(formats::Pack pack) {
-  formats::GlossyTransfer& glossy = *pack.sh().glossy;
-  const std::vector<float> turned =
-      rotations(pack.mesh, glossy.tangents, pack.sh().order, pack.sh().channels);
-  glossy.transfer = formats::MatrixOperator{formats::encodeTable(
-      turned, turned.size() / pack.mesh.vertexCount(), formats::Precision::kFloat32, "", "rotations")};
-  return pack;
 }
 
 formats::Pack withoutMeso(formats::Pack pack, const Float3& albedo) {
@@ -192,7 +151,7 @@ Packs packsOf(const std::string& patch_name, Macro macro, const BakeVariant& var
   const rtt::Rtt& rtt = rttOf(patch_name, variant);
   Packs packs{packOf(macroMesh(macro, variant.macro_steps), rtt, variant), {}, {}};
   packs.macro_only = withoutMeso(packs.bi_scale, rtt.figures.mean_albedo);
-  packs.meso_only = withoutMacro(packs.bi_scale);
+  packs.meso_only = transport::withEffects(packs.bi_scale, transport::BiScaleEffects::kNoMacro);
   return packs;
 }
 

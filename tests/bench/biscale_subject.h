@@ -44,7 +44,7 @@ struct BakeVariant {
   int resolution = 64;  // texels
   int macro_steps = 2;  // vertices along a patch
   // Matrices that leave light below a vertex's own horizon alone, as patches do not see it.
-  bool open_horizon = false;
+  bool open_horizon = true;  // as the recipe bakes
 
   auto operator<=>(const BakeVariant&) const = default;
 };
