@@ -440,11 +440,11 @@ Comparison compareRadianceTransferTextures(std::span<const RadianceTransferTextu
   const auto layoutOf = [](std::span<const RadianceTransferTexture> all) {
     Json layout = Json::array();
     for (const RadianceTransferTexture& each : all)
-      layout.push_back({each.material, each.order, each.views, each.width, each.height});
+      layout.push_back({each.material, each.order, each.views, each.width, each.height, each.heights.size()});
     return layout;
   };
   Comparison comparison;
-  if (!agree(comparison, "textures (material, order, views, width, height)", layoutOf(textures),
+  if (!agree(comparison, "textures (material, order, views, width, height, heights)", layoutOf(textures),
              layoutOf(reference)))
     return comparison;
   for (std::size_t t = 0; t < textures.size(); ++t) {
@@ -453,6 +453,12 @@ Comparison compareRadianceTransferTextures(std::span<const RadianceTransferTextu
       difference.add(textures[t].values[i], reference[t].values[i]);
     comparison.compared_values += textures[t].values.size();
     addValues(comparison, "texture \"" + textures[t].material + "\"", difference, limits);
+    if (textures[t].heights.empty()) continue;
+    ValueDifference of_heights;
+    for (std::size_t i = 0; i < textures[t].heights.size(); ++i)
+      of_heights.add(textures[t].heights[i], reference[t].heights[i]);
+    comparison.compared_values += textures[t].heights.size();
+    addValues(comparison, "heights of texture \"" + textures[t].material + "\"", of_heights, limits);
   }
   return comparison;
 }

@@ -14,6 +14,7 @@ namespace bakelight::formats {
 namespace {
 
 constexpr const char* kLayoutKey = "bakelight:radiance_transfer_textures";
+constexpr const char* kHeight = "height";
 constexpr int kMostViews = 64, kMostTexels = 8192;
 
 std::vector<std::string> channelNames(int order) {
@@ -35,7 +36,7 @@ Block blockBelow(const Block& above, const RadianceTransferTexture& texture) {
   return {above.top + above.height, texture.views * texture.width, texture.views * texture.height};
 }
 
-// Calls visit(response, texel of the image) for all of a texture's.
+// Calls visit(index of the response, texel of the image) for all of a texture's.
 template <class Texture, class Picture, class Visit>
 void visitTexels(Texture& texture, Picture& image, int top, const Visit& visit) {
   for (int row = 0; row < texture.views; ++row)
@@ -43,7 +44,7 @@ void visitTexels(Texture& texture, Picture& image, int top, const Visit& visit) 
       for (int y = 0; y < texture.height; ++y)
         for (int x = 0; x < texture.width; ++x)
           visit(
-              texture.response(column, row, x, y),
+              texture.responseIndex(column, row, x, y),
               image.texel(column * texture.width + x, top + (texture.views - 1 - row) * texture.height + y));
 }
 
@@ -52,7 +53,8 @@ void check(std::span<const RadianceTransferTexture> textures) {
   for (const RadianceTransferTexture& texture : textures) {
     if (texture.order != textures.front().order || texture.order < 1)
       throw std::logic_error("radiance transfer textures of different orders");
-    if (texture.values.size() != texture.viewCount() * texture.texelCount() * texture.responseSize())
+    if (texture.values.size() != texture.responseCount() * texture.responseSize() ||
+        (!texture.heights.empty() && texture.heights.size() != texture.responseCount()))
       throw std::logic_error("a radiance transfer texture has another number of values than it says");
     if (!materials.insert(texture.material).second)
       throw std::logic_error("two radiance transfer textures of one material");
@@ -70,22 +72,29 @@ void writeRadianceTransferTextures(const std::filesystem::path& path,
   Json layout = {{"order", order}, {"textures", Json::array()}};
   Block block;
   int width = 0;
+  bool any_heights = false;
   for (const RadianceTransferTexture& texture : textures) {
     block = blockBelow(block, texture);
     width = std::max(width, block.width);
+    any_heights = any_heights || !texture.heights.empty();
     layout["textures"].push_back({{"material", texture.material},
                                   {"views", texture.views},
                                   {"width", texture.width},
-                                  {"height", texture.height}});
+                                  {"height", texture.height},
+                                  {"heights", !texture.heights.empty()}});
   }
-  Image image(width, block.top + block.height, channelNames(order));
-  const std::size_t coefficients = textures.front().coefficientCount();
+  std::vector<std::string> names = channelNames(order);
+  const std::size_t coefficients = textures.front().coefficientCount(), height_channel = names.size();
+  if (any_heights) names.emplace_back(kHeight);
+  Image image(width, block.top + block.height, names);
   block = {};
   for (const RadianceTransferTexture& texture : textures) {
     block = blockBelow(block, texture);
-    visitTexels(texture, image, block.top, [&](std::span<const float> response, float* texel) {
+    visitTexels(texture, image, block.top, [&](std::size_t index, float* texel) {
+      const float* response = &texture.values[index * texture.responseSize()];
       for (std::size_t c = 0; c < 3; ++c)
         for (std::size_t i = 0; i < coefficients; ++i) texel[3 * i + c] = response[c * coefficients + i];
+      if (!texture.heights.empty()) texel[height_channel] = texture.heights[index];
     });
   }
   writeExr(path, image, precision, {{kLayoutKey, layout.dump()}});
@@ -111,6 +120,8 @@ std::vector<RadianceTransferTexture> readRadianceTransferTextures(const std::fil
                                     .views = entry.at("views").integer(1, kMostViews),
                                     .width = entry.at("width").integer(1, kMostTexels),
                                     .height = entry.at("height").integer(1, kMostTexels)};
+    if (entry.has("heights") && entry.at("heights").boolean())
+      texture.heights.resize(texture.responseCount());
     block = blockBelow(block, texture);
     width = std::max(width, block.width);
     textures.push_back(std::move(texture));
@@ -119,12 +130,13 @@ std::vector<RadianceTransferTexture> readRadianceTransferTextures(const std::fil
 
   const Image image = readImage(path);
   const std::vector<std::string> names = channelNames(order);
-  std::vector<std::size_t> index;  // in the image, of each channel
-  for (const std::string& name : names) {
+  const auto channel = [&](const std::string& name) {
     const int at = image.channelIndex(name);
     if (at < 0) throw badInput({file, "channel " + name, ""}, "it has no such channel", "", remedy);
-    index.push_back(static_cast<std::size_t>(at));
-  }
+    return static_cast<std::size_t>(at);
+  };
+  std::vector<std::size_t> channels;  // in the image
+  for (const std::string& name : names) channels.push_back(channel(name));
   const int height = block.top + block.height;
   if (image.width != width || image.height != height)
     throw badInput({file, "", ""},
@@ -136,10 +148,13 @@ std::vector<RadianceTransferTexture> readRadianceTransferTextures(const std::fil
     texture.allocate();
     block = blockBelow(block, texture);
     const std::size_t coefficients = texture.coefficientCount();
-    visitTexels(texture, image, block.top, [&](std::span<float> response, const float* texel) {
+    const std::size_t height_channel = texture.heights.empty() ? 0 : channel(kHeight);
+    visitTexels(texture, image, block.top, [&](std::size_t index, const float* texel) {
+      float* response = &texture.values[index * texture.responseSize()];
       for (std::size_t c = 0; c < 3; ++c)
         for (std::size_t i = 0; i < coefficients; ++i)
-          response[c * coefficients + i] = texel[index[3 * i + c]];
+          response[c * coefficients + i] = texel[channels[3 * i + c]];
+      if (!texture.heights.empty()) texture.heights[index] = texel[height_channel];
     });
   }
   return textures;

@@ -36,6 +36,11 @@ void RttReflection::describe(FieldVisitor& fields) {
   fields.require(factors.rows == rows, "factors", "it has " + std::to_string(factors.rows) + " rows",
                  std::to_string(rows) + ", the views of each texel of each level", "");
   fields.floats("basis", basis, static_cast<std::size_t>(components) * 3 * order * order);
+  optionally(fields, "relief", heights, [&](EncodedTable& table) {
+    fields.table("heights", table, Rows::kOther, 1);
+    fields.require(table.rows == rows, "heights", "it has " + std::to_string(table.rows) + " rows",
+                   std::to_string(rows) + ", as factors have", "");
+  });
   fields.number("repeats", repeats, {.least = 0, .above = true});
   optionally(fields, "index", index, [&](PackImage& image) {
     fields.image("places", image);

@@ -39,6 +39,9 @@ struct RttReflection {
   // views row by row, b upwards.
   EncodedTable factors;
   std::vector<float> basis;  // components × 3 (RGB) × order²
+  // Heights of what is seen, above the mid-plane in widths of the patch, one for each row of factors: views are then looked up
+  // along the relief (transport/rtt_table.h) instead of all at one place. Nothing for what is flat, or not known.
+  std::optional<EncodedTable> heights;
 
   // Where in the patch the surface is. Channels "U", "V" by texture coordinates, 0–1, u to the right, v upwards: looked
   // up, never filtered. The index of an appearance serves those after it that have none.

@@ -29,6 +29,7 @@ RttReflection oneView(const RttReflection& source, const Combine& combine) {
     for (std::size_t k = 0; k < components; ++k)
       combined[texel * components + k] = combine(&factors[texel * views * components], k);
   result.views = 1;
+  result.heights.reset();
   result.factors =
       formats::encodeTable(combined, components, source.factors.precision, "pack", "factors of one view");
   return result;

@@ -8,7 +8,6 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "transport/hemisphere_grid.h"
 #include "transport/sh.h"
 
 namespace bakelight::transport {
@@ -30,14 +29,6 @@ Eigen::Matrix3d localFromObject(const Float3& normal, const Float4& tangent) {
   local.row(2) = n;
   local.row(1) = tangent[3] * n.cross(Vec3(local.row(0)));
   return local;
-}
-
-int texelOf(double place, int count) {
-  return std::clamp(static_cast<int>(place * count), 0, count - 1);
-}
-
-double fraction(double x) {
-  return x - std::floor(x);
 }
 
 }  // namespace
@@ -71,56 +62,6 @@ RttLevels rttLevelsAt(double level, std::size_t count) {
   return {fine, static_cast<float>(blend)};
 }
 
-struct BiScaleShading::Patch {
-  formats::RttReflection reflection;  // without the tables below
-  std::vector<formats::RttLevel> levels;
-  std::vector<float> factors;
-  std::vector<std::uint8_t> index;  // U, V
-  int index_width = 0, index_height = 0;
-  std::array<float, 2> index_scale = {1, 1}, index_offset = {0, 0};
-
-  Patch(const RttReflection& source, const PackImage* image)
-      : reflection(source),
-        levels(formats::rttLevels(source.width, source.height)),
-        factors(source.factors.decode()) {
-    const std::size_t views = static_cast<std::size_t>(source.views) * source.views;
-    if (factors.size() != formats::rttTexelCount(levels) * views * source.components ||
-        source.basis.size() != 3 * static_cast<std::size_t>(source.components) * source.order * source.order)
-      throw std::invalid_argument("factors of a radiance transfer texture do not fit its size");
-    reflection.factors = {};
-    reflection.index.reset();
-    if (image == nullptr) return;
-    if (image->texels.columns != 2 || image->texels.precision != formats::Precision::kUint8)
-      throw std::invalid_argument("an index has two channels of 8 bits");
-    index_width = image->width;
-    index_height = image->height;
-    index.resize(image->texels.data.size());
-    std::transform(image->texels.data.begin(), image->texels.data.end(), index.begin(),
-                   [](std::byte code) { return static_cast<std::uint8_t>(code); });
-    std::copy_n(image->texels.scale.begin(), 2, index_scale.begin());
-    std::copy_n(image->texels.offset.begin(), 2, index_offset.begin());
-  }
-
-  // Adds `weight` times the factors of a texel, between the views around.
-  void add(const formats::RttLevel& level, const Float2& place, const GridPosition& view, float weight,
-           std::span<float> sum) const {
-    const int x = texelOf(place[0], level.width), y = texelOf(1.0 - place[1], level.height);
-    const std::size_t views = static_cast<std::size_t>(reflection.views), count = sum.size();
-    const std::size_t texel = level.first_texel + static_cast<std::size_t>(y) * level.width + x;
-    const bool several = views > 1;
-    for (int j = 0; j < (several ? 2 : 1); ++j)
-      for (int i = 0; i < (several ? 2 : 1); ++i) {
-        const float share =
-            weight *
-            (several ? (i == 0 ? 1 - view.across : view.across) * (j == 0 ? 1 - view.up : view.up) : 1);
-        const float* row = &factors[((texel * views + static_cast<std::size_t>(view.row + j)) * views +
-                                     static_cast<std::size_t>(view.column + i)) *
-                                    count];
-        for (std::size_t k = 0; k < count; ++k) sum[k] += share * row[k];
-      }
-  }
-};
-
 bool BiScaleShading::shades(const formats::Pack& pack) {
   const auto* transfer = pack.transfer.as<formats::ShTransfer>();
   const auto is_rtt = [](const formats::Appearance& a) {
@@ -147,10 +88,11 @@ BiScaleShading::BiScaleShading(const formats::Pack& pack)
   for (std::size_t i = 0; i < ranges_.size(); ++i) {
     const formats::Appearance& appearance = pack.appearances[i];
     const auto* rtt = appearance.reflection.as<RttReflection>();
-    patches_.push_back(std::make_shared<Patch>(rtt == nullptr ? flatReflection(output_order) : *rtt,
-                                               rtt == nullptr ? nullptr : indices[i]));
-    components_ = std::max(components_, static_cast<std::size_t>(patches_.back()->reflection.components));
-    if (patches_.back()->reflection.order > output_order)
+    patches_.emplace_back(rtt == nullptr ? flatReflection(output_order) : *rtt,
+                          rtt == nullptr ? nullptr : indices[i]);
+    const RttReflection& reflection = patches_.back().reflection();
+    components_ = std::max(components_, static_cast<std::size_t>(reflection.components));
+    if (reflection.order > output_order)
       throw std::invalid_argument("a radiance transfer texture has more bands than the transferred radiance");
     if (rtt != nullptr) {
       if (mesh_.texcoords.size() != mesh_.vertexCount())
@@ -184,7 +126,7 @@ void BiScaleShading::setLight(std::span<const Float3> distant, std::span<const F
 
 void BiScaleShading::project(std::span<const Float3> transferred) {
   for (std::size_t a = 0; a < ranges_.size(); ++a) {
-    const RttReflection& reflection = patches_[a]->reflection;
+    const RttReflection& reflection = patches_[a].reflection();
     const std::size_t count = coefficientCount(reflection.order);
     tbb::parallel_for(ranges_[a].first, ranges_[a].end, [&](std::size_t v) {
       std::span<const Float3> incident = transferred.subspan(v * rows_, rows_);
@@ -238,33 +180,23 @@ BiScaleShading::Surface BiScaleShading::surfaceAt(const SurfaceHit& hit) const {
   return at;
 }
 
-Float2 BiScaleShading::placeOf(const Patch& patch, const Float2& texcoord) const {
-  if (patch.index.empty()) {
-    const double repeats = patch.reflection.repeats,
-                 aspect = static_cast<double>(patch.reflection.width) / patch.reflection.height;
-    const double u = texcoord[0] * repeats, v = texcoord[1] * repeats * aspect;
-    return {static_cast<float>(fraction(u)), static_cast<float>(fraction(v))};
-  }
-  const int x = texelOf(texcoord[0], patch.index_width), y = texelOf(1.0 - texcoord[1], patch.index_height);
-  const std::uint8_t* codes = &patch.index[2 * (static_cast<std::size_t>(y) * patch.index_width + x)];
-  return {patch.index_offset[0] + patch.index_scale[0] * codes[0],
-          patch.index_offset[1] + patch.index_scale[1] * codes[1]};
-}
-
 Float3 BiScaleShading::radianceAt(const SurfaceHit& hit) const {
   const Surface at = surfaceAt(hit);
-  const Patch& patch = *patches_[at.appearance];
-  const RttReflection& reflection = patch.reflection;
-  const Float2 place = placeOf(patch, at.texcoord);
-  const GridPosition view = gridPosition(reflection.views, at.to_eye);
+  const RttTable& patch = patches_[at.appearance];
+  const RttReflection& reflection = patch.reflection();
   const RttLevels levels = rttLevelsAt(rttLevelOf(at.distance, view_.pixel_angle, at.to_eye.z(),
                                                   double{reflection.patch_width} / reflection.width),
-                                       patch.levels.size());
+                                       patch.levels().size());
   std::array<float, 3 * formats::kMaxOrder * formats::kMaxOrder> buffer;
   const std::span<float> factors = std::span(buffer).first(static_cast<std::size_t>(reflection.components));
   std::fill(factors.begin(), factors.end(), 0.0F);
-  patch.add(patch.levels[levels.fine], place, view, 1 - levels.blend, factors);
-  if (levels.blend > 0) patch.add(patch.levels[levels.fine + 1], place, view, levels.blend, factors);
+  const formats::RttLevel& fine = patch.levels()[levels.fine];
+  for (const RttTable::View& view : patch.viewsAt(fine, patch.placeOf(at.texcoord), at.to_eye)) {
+    if (view.weight <= 0) continue;
+    patch.add(fine, view, view.weight * (1 - levels.blend), factors);
+    if (levels.blend > 0)
+      patch.add(patch.levels()[levels.fine + 1], view, view.weight * levels.blend, factors);
+  }
   Float3 radiance = {0, 0, 0};
   for (std::size_t k = 0; k < factors.size(); ++k)
     for (std::size_t c = 0; c < 3; ++c) {

@@ -11,6 +11,7 @@
 #include "formats/rtt_reflection.h"
 #include "transport/glossy_evaluator.h"
 #include "transport/pack_shading.h"
+#include "transport/rtt_table.h"
 
 namespace bakelight::transport {
 
@@ -45,11 +46,9 @@ class BiScaleShading final : public PackShading {
 
  private:
   struct Surface;
-  struct Patch;
 
   Float3 radianceAt(const SurfaceHit& hit) const;
   Surface surfaceAt(const SurfaceHit& hit) const;
-  formats::Float2 placeOf(const Patch& patch, const formats::Float2& texcoord) const;
   void project(std::span<const Float3> transferred);
 
   int order_;
@@ -58,12 +57,12 @@ class BiScaleShading final : public PackShading {
   std::unique_ptr<const GlossyEvaluator> transfer_;
   std::size_t rows_;  // of transferred radiance
   std::vector<ShRotation>
-      local_from_object_;  // a vertex, for visibility, whose rows are in the object's frame
-  std::vector<std::shared_ptr<const Patch>> patches_;  // by appearance
-  std::vector<formats::VertexRange> ranges_;           // by appearance
-  std::vector<Float3> vertex_albedo_;                  // of Lambertian appearances; 1 elsewhere
-  std::size_t components_ = 0;                         // the most that a patch has
-  std::vector<Float3> projected_;                      // n × components_
+      local_from_object_;          // a vertex, for visibility, whose rows are in the object's frame
+  std::vector<RttTable> patches_;  // by appearance
+  std::vector<formats::VertexRange> ranges_;  // by appearance
+  std::vector<Float3> vertex_albedo_;         // of Lambertian appearances; 1 elsewhere
+  std::size_t components_ = 0;                // the most that a patch has
+  std::vector<Float3> projected_;             // n × components_
   ViewPoint view_{Vec3(0, 0, 0)};
 };
 

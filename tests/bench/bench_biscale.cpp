@@ -11,8 +11,8 @@
 //   least_ratio_60: of the best rival (meso only left out where it is no rival).
 //   sharp_rel_rmse: at four pixels a texel. noise: standard error of the truth, relative.
 // causes: rel_rmse under the light of 40° as it is, and with less of one cause each: order 10, 16 × 16 views, 128 texels, three
-// times the vertices along a patch, matrices that do not cut light off at the vertices' own horizons, and views that are
-// looked up where they see what the pixel's ray meets (along_relief).
+// times the vertices along a patch; and with more: matrices that cut light off at the vertices' own horizons, and views that are
+// all looked up at one place of the mid-plane (without_relief).
 //
 // bench_biscale --pictures FOLDER writes pictures side by side: truth, bi-scale, normal map.
 #include <benchmark/benchmark.h>
@@ -191,7 +191,6 @@ const Image& truthOfView(int patch, Macro macro, const Window& window) {
 struct Cause {
   const char* name;
   BakeVariant variant = {};
-  bool along_relief = false;
 };
 const Cause kCauses[] = {{"as_it_is"},
                          {"order_10", {.order = 10}},
@@ -199,7 +198,7 @@ const Cause kCauses[] = {{"as_it_is"},
                          {"resolution_128", {.resolution = 128}},
                          {"macro_finer", {.macro_steps = 6}},
                          {"cut_horizon", {.open_horizon = false}},
-                         {"along_relief", {}, true}};
+                         {"without_relief", {.relief = false}}};
 
 void causes(benchmark::State& state) {
   const int patch = static_cast<int>(state.range(0));
@@ -212,12 +211,7 @@ void causes(benchmark::State& state) {
     for (const int view : kViews_deg) {
       Window window;
       window.polar_deg = view;
-      const Image seen =
-          cause.along_relief
-              ? packImageAlongRelief(packsFor(patch, macro, cause.variant).bi_scale, patchOf(kPatches[patch]),
-                                     macro, cause.variant.macro_steps,
-                                     transport::distantLight(rig, cause.variant.order).light, window)
-              : biScaleImage(patch, macro, cause.variant, rig, window);
+      const Image seen = biScaleImage(patch, macro, cause.variant, rig, window);
       SquaredError one;
       one.add(seen.blurred(2), truthOfView(patch, macro, window));
       all.add(one);

@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numbers>
 
 #include "tools/reference/estimates.h"
 #include "tools/reference/path_tracer.h"
 #include "transport/bi_scale_shading.h"
-#include "transport/hemisphere_grid.h"
 #include "transport/periodic_ray_scene.h"
 #include "transport/random.h"
 
@@ -53,26 +51,6 @@ std::size_t texelAt(const Eigen::Vector2d& place, int side) {
     return std::clamp(static_cast<int>((at - std::floor(at)) * side), 0, side - 1);
   };
   return static_cast<std::size_t>(texel(place.y())) * side + texel(place.x());
-}
-
-// Of what is seen through the middle of each texel; rows upwards.
-std::vector<double> heightsTowards(const transport::PeriodicRayScene& scene,
-                                   const patch::PatchGeometry& geometry, int side, const Vec3& view) {
-  const double start = (scene.highest() + 0.01) / view.z();
-  transport::FreeRays rays;
-  for (int y = 0; y < side; ++y)
-    for (int x = 0; x < side; ++x) {
-      const Vec3 from = Vec3((x + 0.5) / side, (y + 0.5) / side, 0) + start * view;
-      rays.push({from.x() - geometry.period_x * std::floor(from.x() / geometry.period_x),
-                 from.y() - geometry.period_y * std::floor(from.y() / geometry.period_y), from.z()},
-                -view);
-    }
-  transport::HitBundle hits(rays.size());
-  scene.nearestHits(rays, hits);
-  std::vector<double> heights;
-  for (std::size_t i = 0; i < rays.size(); ++i)
-    heights.push_back(hits.blocked[i] != 0 ? (start - hits.distance[i]) * view.z() : scene.lowest());
-  return heights;
 }
 
 }  // namespace
@@ -153,55 +131,6 @@ Image packImage(const formats::Pack& pack, Macro macro, int steps, std::span<con
     Float3 radiance;
     shading.radianceAt({&at.hit, 1}, {&radiance, 1});
     return radiance;
-  });
-}
-
-Image packImageAlongRelief(const formats::Pack& pack, const patch::PatchGeometry& geometry, Macro macro,
-                           int steps, std::span<const Float3> light, const Window& window) {
-  constexpr int kRounds = 5;
-  const auto& rtt = *pack.appearances.front().reflection.as<formats::RttReflection>();
-  const Vec3 eye = window.towardsEye(), view(eye.x(), -eye.z(), eye.y());  // in the patch's frame
-  const transport::GridPosition at = transport::gridPosition(rtt.views, view);
-  const transport::PeriodicRayScene scene(geometry.mesh, {geometry.period_x, geometry.period_y});
-  const auto slope = [](const Vec3& v) { return Eigen::Vector2d(v.x() / v.z(), v.y() / v.z()); };
-  struct View {
-    float share;
-    Eigen::Vector2d shift;  // of places, a unit of height
-    std::vector<double> heights;
-    std::unique_ptr<transport::BiScaleShading> shading;
-  };
-  std::array<View, 4> views;
-  for (int k = 0; k < 4; ++k) {
-    const Vec3 cell = transport::hemisphereCell(rtt.views, at.column + k % 2, at.row + k / 2);
-    View& one = views[static_cast<std::size_t>(k)];
-    one.share = (k % 2 == 0 ? 1 - at.across : at.across) * (k / 2 == 0 ? 1 - at.up : at.up);
-    one.shift = slope(view) - slope(cell);
-    one.heights = heightsTowards(scene, geometry, rtt.width, cell);
-    one.shading = std::make_unique<transport::BiScaleShading>(pack);
-    one.shading->setLight(light, {});
-    one.shading->setView(transport::ViewPoint(kFar * Vec3(cell.x(), cell.z(), -cell.y())));
-  }
-  return sampledImage(macro, steps, window, [&](const MacroPoint&, double across, double up) {
-    const Eigen::Vector2d through(across, up);
-    Float3 sum = {0, 0, 0};
-    float weights = 0;
-    for (const View& one : views) {
-      Eigen::Vector2d place = through, next = through;
-      for (int round = 0; round < kRounds; ++round) {
-        place = next;
-        next = through + one.heights[texelAt(place, rtt.width)] * one.shift;
-      }
-      // A view that does not see what the ray meets finds no place to settle at.
-      const double off_texels = (next - place).norm() * rtt.width;
-      const float weight = one.share * static_cast<float>(1e-3 + std::exp(-off_texels * off_texels));
-      const transport::SurfaceHit hit = macroPoint(macro, steps, next.x(), next.y()).hit;
-      Float3 radiance;
-      one.shading->radianceAt({&hit, 1}, {&radiance, 1});
-      add(sum, radiance, weight);
-      weights += weight;
-    }
-    for (float& value : sum) value /= weights;
-    return sum;
   });
 }
 

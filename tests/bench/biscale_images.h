@@ -44,12 +44,6 @@ Image truthImage(const reference::Scene& scene, Macro macro, const Window& windo
 Image packImage(const formats::Pack& pack, Macro macro, int steps, std::span<const Float3> light,
                 const Window& window);
 
-// The same, but each of the views that are interpolated between is looked up where it sees what the pixel's ray meets, at the
-// height that the view sees there, instead of where the ray meets the mid-plane. What follows the relief so costs a height a
-// texel and view.
-Image packImageAlongRelief(const formats::Pack& pack, const patch::PatchGeometry& geometry, Macro macro,
-                           int steps, std::span<const Float3> light, const Window& window);
-
 // Albedo and normal of what is seen from straight above, a texel each: a normal map with plain shading, whose light comes from
 // all of the hemisphere above the normal.
 struct NormalMap {

@@ -76,6 +76,7 @@ formats::Pack packOf(const TriangleMesh& mesh, const rtt::Rtt& rtt, const BakeVa
   transfer::writeTransfer(folder / "transfer.safetensors", mesh, settings, albedo, baked, {});
   packing::PackingOptions options;
   options.material.albedo = albedo.front();
+  options.rtt.relief = variant.relief;
   packing::PatchSources patches{{rtt.texture}, {}, {{"", kPatchWidth}}};
   return packing::assemblePack(mesh, formats::readSafetensors(folder / "transfer.safetensors"), nullptr,
                                options, {"mesh", "transfer", "", "material", "rtt"}, patches);

@@ -45,6 +45,7 @@ struct BakeVariant {
   int macro_steps = 2;  // vertices along a patch
   // Matrices that leave light below a vertex's own horizon alone, as patches do not see it.
   bool open_horizon = true;  // as the recipe bakes
+  bool relief = true;        // views looked up along it
 
   auto operator<=>(const BakeVariant&) const = default;
 };

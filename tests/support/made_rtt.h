@@ -12,6 +12,18 @@
 
 namespace bakelight::tests {
 
+// Hills, a tenth of the patch high.
+inline formats::EncodedTable madeHeights(int views, int width, int height) {
+  std::vector<float> heights;
+  for (const formats::RttLevel& level : formats::rttLevels(width, height))
+    for (int y = 0; y < level.height; ++y)
+      for (int x = 0; x < level.width; ++x)
+        heights.insert(heights.end(), static_cast<std::size_t>(views) * views,
+                       static_cast<float>(0.1 * std::sin(6.28 * (x + 0.5) / level.width) *
+                                          std::sin(6.28 * (y + 0.5) / level.height)));
+  return formats::encodeTable(heights, 1, formats::Precision::kFloat16, "made", "heights");
+}
+
 inline formats::RttReflection madeRtt(int order, int views, int width, int height, int components) {
   formats::RttReflection rtt;
   rtt.order = order;
@@ -33,6 +45,7 @@ inline formats::RttReflection madeRtt(int order, int views, int width, int heigh
                                    0.15 * std::cos(0.4 * (view % views) + 0.3 * (view / views) + 0.7 * k)));
   rtt.factors = formats::encodeTable(factors, static_cast<std::size_t>(components),
                                      formats::Precision::kFloat16, "made", "factors");
+  if (views > 1) rtt.heights = madeHeights(views, width, height);
   for (int k = 0; k < components; ++k)
     for (int c = 0; c < 3; ++c)
       for (int i = 0; i < order * order; ++i)

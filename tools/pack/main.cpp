@@ -48,6 +48,10 @@ int main(int argc, char** argv) {
       .parameter(
           "rtt_error", options.rtt.error, {0, 1}, "",
           "Relative error that principal components of radiance transfer textures may leave; 0 keeps all")
+      .parameter(
+          "relief", options.rtt.relief,
+          "Look views of deep patches up where each sees the same point, by heights; else all at one place "
+          "of the mid-plane, where they show it twice")
       .parameter("draco", file_options.draco, "Compress the mesh with Draco, for distribution")
       .parameter("position_bits", file_options.position_bits, {0, 30}, "bits",
                  "With draco: quantise positions to 8 to 30 bits an axis; 0 keeps them exact")

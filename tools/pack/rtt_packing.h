@@ -36,6 +36,7 @@ struct RttPackingOptions {
   // texels. 0 takes all.
   double error = 0.04;
   formats::Precision precision = formats::Precision::kFloat16;
+  bool relief = true;  // keep heights where the texture has any but zero
 };
 
 struct PackedRtt {

@@ -62,6 +62,7 @@ class Looks {
     setting_.scene.nearestHits(rays, hits_);
   }
   bool met(std::size_t ray) const { return hits_.blocked[ray] != 0; }
+  float heightMet(std::size_t ray) const { return rays.z[ray] + hits_.distance[ray] * rays.direction_z[ray]; }
 
   // Adds the diffuse part of what is met, times `tint`. False for the inside of a closed part.
   bool addDiffuse(std::size_t ray, const Float3& tint, std::span<float> response) const {
@@ -134,8 +135,10 @@ class RowOfTexels {
     for (int x = 0; x < texture.width; ++x) {
       const std::span<float> response = texture.response(column, row, x, y);
       startPaths();
+      auto highest = static_cast<float>(setting_.scene.lowest());
       for (std::size_t s = 0; s < samples; ++s) {
         const std::size_t ray = static_cast<std::size_t>(x) * samples + s;
+        if (views_.met(ray)) highest = std::max(highest, views_.heightMet(ray));
         if (!views_.met(ray)) {
           ++figures.through;
         } else if (!views_.addDiffuse(ray, {1, 1, 1}, response)) {
@@ -146,6 +149,7 @@ class RowOfTexels {
           mirror(views_, ray, view, setting_.glossy_samples, {1, 1, 1}, texel * samples + s);
         }
       }
+      if (!texture.heights.empty()) texture.heights[texture.responseIndex(column, row, x, y)] = highest;
       figures.glossy_rays += followPaths(response);
       for (float& value : response) value /= static_cast<float>(samples);
       for (std::size_t c = 0; c < 3; ++c)
@@ -221,6 +225,7 @@ ViewFigures renderViews(const patch::PatchGeometry& geometry, const transport::P
                         const SurfaceLight& light, const ViewOptions& options,
                         const std::function<void()>& progress, formats::RadianceTransferTexture& texture) {
   texture.allocate();
+  if (options.masking && texture.views > 1) texture.heights.assign(texture.responseCount(), 0.0F);
   const Setting setting = settingOf(geometry, scene, light, options);
   const auto rows = static_cast<std::size_t>(texture.height);
   std::vector<ViewFigures> parts(texture.viewCount() * rows);

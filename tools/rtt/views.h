@@ -30,7 +30,8 @@ struct ViewFigures {
 };
 
 // Fills `texture`, whose sizes, order and views are set. Of each texel evenly spaced points are looked at along each
-// view. What goes through a hole adds nothing. Glossy surfaces mirror the sky and the surface itself, again and again.
+// view. What goes through a hole adds nothing. With masking and several views, heights are those of the highest
+// point that a texel shows, as it hides the others from views beside; the lowest of the surface where there is none. Glossy surfaces mirror the sky and the surface itself, again and again.
 // `progress` is told of views that are done. Threads by TBB, same bytes for
 // any number.
 ViewFigures renderViews(const patch::PatchGeometry& geometry, const transport::PeriodicRayScene& scene,

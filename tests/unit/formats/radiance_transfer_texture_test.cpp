@@ -39,7 +39,9 @@ class RadianceTransferTextureTest : public testing::Test {
 };
 
 TEST_F(RadianceTransferTextureTest, SeveralComeBackBitForBit) {
-  const std::vector<RadianceTransferTexture> written = {texture("", 4, 5, 3), texture("mail", 1, 16, 8)};
+  std::vector<RadianceTransferTexture> written = {texture("", 4, 5, 3), texture("mail", 1, 16, 8)};
+  for (std::size_t i = 0; i < written[0].responseCount(); ++i)
+    written[0].heights.push_back(static_cast<float>(i) / 8 - 3);
   writeRadianceTransferTextures(file_, written, ExrPrecision::kFloat);
   EXPECT_TRUE(isRadianceTransferTexture(file_));
   const auto read = readRadianceTransferTextures(file_);
@@ -51,6 +53,7 @@ TEST_F(RadianceTransferTextureTest, SeveralComeBackBitForBit) {
     EXPECT_EQ(read[i].width, written[i].width);
     EXPECT_EQ(read[i].height, written[i].height);
     EXPECT_EQ(read[i].values, written[i].values);
+    EXPECT_EQ(read[i].heights, written[i].heights);
   }
 }
 
@@ -86,6 +89,8 @@ TEST_F(RadianceTransferTextureTest, WhatDoesNotFitIsRefused) {
   EXPECT_THAT(problemOf(file_), HasSubstr("sh01.R"));
   write(R"({"order":1,"textures":[{"material":"","views":0,"width":1,"height":1}]})");
   EXPECT_THAT(problemOf(file_), HasSubstr("/textures/0/views"));
+  write(R"({"order":1,"textures":[{"material":"","views":2,"width":1,"height":1,"heights":true}]})");
+  EXPECT_THAT(problemOf(file_), HasSubstr("channel height"));
   write(R"({"order":1,"textures":[]})");
   EXPECT_THAT(problemOf(file_), HasSubstr("names no texture"));
   write("{");
@@ -100,6 +105,11 @@ TEST(RadianceTransferTexture, IsCompared) {
   const CompareLimits limits{.maximum = 0.1, .relative = 0.01};
   EXPECT_TRUE(compareRadianceTransferTextures({&one, 1}, {&other, 1}, limits).passes());
   other.values[3] = 1.2F;
+  EXPECT_FALSE(compareRadianceTransferTextures({&one, 1}, {&other, 1}, limits).passes());
+  other = one;
+  one.heights = other.heights = {0, 1, 2, 3};
+  EXPECT_TRUE(compareRadianceTransferTextures({&one, 1}, {&other, 1}, limits).passes());
+  other.heights[2] = 2.2F;
   EXPECT_FALSE(compareRadianceTransferTextures({&one, 1}, {&other, 1}, limits).passes());
   other = one;
   other.material = "";

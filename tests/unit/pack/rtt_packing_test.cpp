@@ -46,6 +46,28 @@ TEST(RttPacking, AllComponentsGiveTheTextureBack) {
         }
 }
 
+TEST(RttPacking, HeightsAreKeptWhereThereAreAny) {
+  auto texture = madeTexture(2, 4, 2);
+  EXPECT_FALSE(packRtt(texture, {}, "made").reflection.heights);
+  texture.heights.assign(texture.responseCount(), 0.0F);
+  EXPECT_FALSE(packRtt(texture, {}, "made").reflection.heights);
+  for (int view = 0; view < 4; ++view)
+    for (int x = 0; x < 4; ++x)
+      texture.heights[texture.responseIndex(view % 2, view / 2, x, 1)] = 0.25F * static_cast<float>(view + x);
+  EXPECT_FALSE(packRtt(texture, {.relief = false}, "made").reflection.heights);
+  const formats::RttReflection packed = packRtt(texture, {}, "made").reflection;
+  ASSERT_TRUE(packed.heights);
+  const std::vector<float> heights = packed.heights->decode();
+  ASSERT_EQ(heights.size(), (8U + 2 + 1) * 4);
+  for (std::size_t view = 0; view < 4; ++view) {
+    const float own = 0.25F * static_cast<float>(view);
+    EXPECT_EQ(heights[(4 + 3) * 4 + view], own + 0.75F);         // x = 3, y = 1
+    EXPECT_EQ(heights[3 * 4 + view], 0);                         // x = 3, y = 0
+    EXPECT_EQ(heights[(8 + 1) * 4 + view], (own + 0.625F) / 2);  // of four texels
+    EXPECT_EQ(heights[10 * 4 + view], (own + 0.375F) / 2);       // of all
+  }
+}
+
 // By texture coordinates a patch is as wide as its material says; an id map has widths of its own.
 TEST(RttPacking, WidthsAreTheMaterialsWithoutAnIdMap) {
   formats::Materials materials;

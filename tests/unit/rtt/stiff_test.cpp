@@ -186,7 +186,31 @@ TEST(Rtt, WithoutMaskingAllViewsAreAlike) {
   Options options = small(8, 3);
   EXPECT_GT(makeRtt(geometry, options, [] {}).figures.view_dependence.from_mean, 0.05);
   options.masking = false;
-  EXPECT_LT(makeRtt(geometry, options, [] {}).figures.view_dependence.from_mean, 1e-6);
+  const Rtt without = makeRtt(geometry, options, [] {});
+  EXPECT_LT(without.figures.view_dependence.from_mean, 1e-6);
+  EXPECT_TRUE(without.texture.heights.empty());
+}
+
+// Walls 0.4 high with floors between: from the zenith each texel of a wall has its top, of a floor its floor, and the edges of
+// texels lie on those of walls. Aslant no view sees anything higher or lower.
+TEST(Rtt, HeightsAreThoseOfWhatIsSeen) {
+  const PatchGeometry geometry = grooves(0.4, 0.5, 0.5F);
+  Options options = small(32, 1);
+  EXPECT_TRUE(makeRtt(geometry, options, [] {}).texture.heights.empty());  // all see one place
+  options.views = 3;
+  const RadianceTransferTexture texture = makeRtt(geometry, options, [] {}).texture;
+  ASSERT_EQ(texture.heights.size(), texture.responseCount());
+  const auto [lowest, highest] = std::minmax_element(texture.heights.begin(), texture.heights.end());
+  EXPECT_NEAR(*highest - *lowest, 0.4, 1e-5);
+  int tops = 0, floors = 0;
+  for (int x = 0; x < 32; ++x) {
+    const float height = texture.heights[texture.responseIndex(1, 1, x, 16)];
+    tops += height > *highest - 1e-5F, floors += height < *lowest + 1e-5F;
+  }
+  EXPECT_GE(tops, 14);
+  EXPECT_GE(floors, 13);
+  EXPECT_EQ(makeRtt(tests::heightPatch(16, 0.0, tests::waves, {1, 1, 1}), small(8, 2), [] {}).texture.heights,
+            std::vector<float>(4 * 64, 0.0F));
 }
 
 TEST(Rtt, WithoutShadowsPitsAreBrighter) {

@@ -12,6 +12,8 @@
 #include "tools/player/gl/gpu_timer.h"
 #include "tools/player/operators/visibility_operator.h"
 #include "transport/bi_scale_shading.h"
+#include "transport/hemisphere_grid.h"
+#include "transport/rtt_table.h"
 #include "transport/sh.h"
 
 namespace bakelight::player {
@@ -37,7 +39,8 @@ enum Uniform : GLint {  // both shaders
   kFirstGroup,
   kAlpha,
   kPlacing,
-  kLevels
+  kLevels,
+  kHighest = 32  // beyond all levels
 };
 
 Buffer bufferOf(const auto& values) {
@@ -74,6 +77,18 @@ std::vector<formats::Triangle> trianglesOf(const formats::Pack& pack, std::size_
   for (std::size_t t = 0; t < pack.mesh.triangleCount(); ++t)
     if (pack.mesh.triangle_materials[t] == appearance) triangles.push_back(pack.mesh.triangles[t]);
   return triangles;
+}
+
+void requireRoom(int width, int height, int layers) {
+  GLint largest = 0, most_layers = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+  glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
+  if (std::max(width, height) <= largest && layers <= most_layers) return;
+  throw badInput({"", "radiance transfer texture", ""},
+                 "it takes " + std::to_string(layers) + " layers of " + std::to_string(width) + " × " +
+                     std::to_string(height) + " texels on the GPU",
+                 "at most " + std::to_string(most_layers) + " of " + std::to_string(largest) + " a side",
+                 "a lower resolution, or fewer views");
 }
 
 Texture indexTexture(const formats::PackImage& image) {
@@ -133,7 +148,9 @@ BiScale::BiScale(const formats::Pack& pack, const SurfaceMesh& mesh, bool near_l
     patch.texel_width = reflection.patch_width / static_cast<float>(reflection.width);
     patch.repeats = {reflection.repeats, reflection.repeats * static_cast<float>(reflection.width) /
                                              static_cast<float>(reflection.height)};
+    patch.relief = reflection.heights && reflection.views > 1;
     uploadFactors(reflection, patch);
+    if (patch.relief) uploadRelief(reflection, patch);
     if (own != nullptr && indices[i] != nullptr) {
       if (indices[i] != last) {
         index_images_.push_back(std::make_unique<Texture>(indexTexture(*indices[i])));
@@ -157,7 +174,7 @@ BiScale::BiScale(const formats::Pack& pack, const SurfaceMesh& mesh, bool near_l
 
 void BiScale::uploadFactors(const RttReflection& reflection, Patch& patch) {
   const std::vector<formats::RttLevel> levels = formats::rttLevels(reflection.width, reflection.height);
-  const std::size_t views = static_cast<std::size_t>(reflection.views),
+  const std::size_t views = static_cast<std::size_t>(reflection.views) * reflection.views,
                     components = static_cast<std::size_t>(reflection.components);
   // The finest level, and the others in a column beside it.
   int below = 0;
@@ -166,44 +183,77 @@ void BiScale::uploadFactors(const RttReflection& reflection, Patch& patch) {
     patch.levels.push_back({finest ? 0 : reflection.width, finest ? 0 : below, level.width, level.height});
     if (!finest) below += level.height;
   }
-  const int width = reflection.views * (reflection.width + (levels.size() > 1 ? levels[1].width : 0)),
-            height = reflection.views * std::max(reflection.height, below);
-  GLint largest = 0, most_layers = 0;
-  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
-  glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
-  if (std::max(width, height) > largest || static_cast<GLint>(patch.groups) > most_layers)
-    throw badInput(
-        {"", "radiance transfer texture", ""},
-        "its views take " + std::to_string(width) + " × " + std::to_string(height) + " texels on the GPU",
-        "at most " + std::to_string(largest) + " on a side", "a lower resolution, or fewer views");
+  // Side by side: a block of views a texel and a layer a group, for the hardware to filter; with relief, where each view is looked
+  // up at a place of its own, the groups of a texel and a layer a view, so that one look takes what lies together.
+  const bool by_view = patch.relief;
+  const int groups = static_cast<int>(patch.groups);
+  const int across = by_view ? groups : reflection.views, down = by_view ? 1 : reflection.views;
+  const int layers = by_view ? reflection.views * reflection.views : groups;
+  const int width = across * (reflection.width + (levels.size() > 1 ? levels[1].width : 0)),
+            height = down * std::max(reflection.height, below);
+  requireRoom(width, height, layers);
   const bool full = reflection.factors.precision == formats::Precision::kFloat32;
   GLuint name = 0;
   glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
   patch.factors = Texture(name);
-  glTextureStorage3D(name, 1, full ? GL_RGBA32F : GL_RGBA16F, width, height,
-                     static_cast<GLsizei>(patch.groups));
+  glTextureStorage3D(name, 1, full ? GL_RGBA32F : GL_RGBA16F, width, height, layers);
   for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
     glTextureParameteri(name, wrap, GL_CLAMP_TO_EDGE);
   for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
     glTextureParameteri(name, filter, GL_LINEAR);
-  patch.factor_bytes = static_cast<std::size_t>(width) * height * patch.groups * (full ? 16 : 8);
+  patch.texture_bytes += static_cast<std::size_t>(width) * height * layers * (full ? 16 : 8);
 
   const std::vector<float> factors = reflection.factors.decode();
-  for (std::size_t group = 0; group < patch.groups; ++group)
+  for (int layer = 0; layer < layers; ++layer)
     for (std::size_t l = 0; l < levels.size(); ++l) {
-      const int across = levels[l].width * reflection.views, down = levels[l].height * reflection.views;
-      std::vector<Float4> texels(static_cast<std::size_t>(across) * down, Float4{0, 0, 0, 0});
-      for (std::size_t i = 0; i < texels.size(); ++i) {
-        const std::size_t x = i % across, y = i / across;
-        const std::size_t texel = levels[l].first_texel + y / views * levels[l].width + x / views;
-        const float* row = &factors[((texel * views + y % views) * views + x % views) * components];
-        for (std::size_t k = 0; k < kGroup && group * kGroup + k < components; ++k)
-          texels[i][k] = row[group * kGroup + k];
-      }
-      glTextureSubImage3D(name, 0, patch.levels[l][0] * reflection.views,
-                          patch.levels[l][1] * reflection.views, static_cast<GLint>(group), across, down, 1,
-                          GL_RGBA, GL_FLOAT, texels.data());
+      const int columns = levels[l].width * across, rows = levels[l].height * down;
+      std::vector<Float4> texels(static_cast<std::size_t>(columns) * rows, Float4{0, 0, 0, 0});
+      for (int y = 0; y < rows; ++y)
+        for (int x = 0; x < columns; ++x) {
+          const std::size_t texel =
+              levels[l].first_texel + static_cast<std::size_t>(y / down) * levels[l].width + x / across;
+          const std::size_t view = by_view ? layer : y % down * reflection.views + x % across;
+          const std::size_t group = by_view ? x % across : layer;
+          const float* row = &factors[(texel * views + view) * components];
+          for (std::size_t k = 0; k < kGroup && group * kGroup + k < components; ++k)
+            texels[static_cast<std::size_t>(y) * columns + x][k] = row[group * kGroup + k];
+        }
+      glTextureSubImage3D(name, 0, patch.levels[l][0] * across, patch.levels[l][1] * down, layer, columns,
+                          rows, 1, GL_RGBA, GL_FLOAT, texels.data());
     }
+}
+
+void BiScale::uploadRelief(const RttReflection& reflection, Patch& patch) {
+  const std::vector<formats::RttLevel> levels = formats::rttLevels(reflection.width, reflection.height);
+  const int side = reflection.views;
+  const std::size_t views = static_cast<std::size_t>(side) * side;
+  requireRoom(reflection.width, reflection.height, side * side);
+  const std::vector<float> heights = reflection.heights->decode();
+  patch.highest = *std::max_element(heights.begin(), heights.end());
+  GLuint name = 0;
+  glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
+  patch.heights = Texture(name);
+  glTextureStorage3D(name, static_cast<GLsizei>(levels.size()), GL_R16F, reflection.width, reflection.height,
+                     static_cast<GLsizei>(views));
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) glTextureParameteri(name, wrap, GL_REPEAT);
+  glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
+  glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  for (std::size_t l = 0; l < levels.size(); ++l) {
+    const std::size_t texels = static_cast<std::size_t>(levels[l].width) * levels[l].height;
+    std::vector<float> by_view(views * texels);
+    for (std::size_t view = 0; view < views; ++view)
+      for (std::size_t t = 0; t < texels; ++t)
+        by_view[view * texels + t] = heights[(levels[l].first_texel + t) * views + view];
+    glTextureSubImage3D(name, static_cast<GLint>(l), 0, 0, 0, levels[l].width, levels[l].height,
+                        static_cast<GLsizei>(views), GL_RED, GL_FLOAT, by_view.data());
+  }
+  std::vector<Float2> slopes;
+  for (int row = 0; row < side; ++row)
+    for (int column = 0; column < side; ++column)
+      slopes.push_back(transport::reliefSlope(transport::hemisphereCell(side, column, row)));
+  patch.slopes = makeTexture(GL_RG32F, side, side);
+  glTextureSubImage2D(patch.slopes.name(), 0, 0, 0, side, side, GL_RG, GL_FLOAT, slopes.data());
+  patch.texture_bytes += heights.size() * 2 + slopes.size() * sizeof(Float2);
 }
 
 void BiScale::addDraws(const RttReflection& reflection, Patch& patch) {
@@ -214,6 +264,11 @@ void BiScale::addDraws(const RttReflection& reflection, Patch& patch) {
   definitions += "#define VIEWS " + std::to_string(patch.views) + "\n#define LEVELS " +
                  std::to_string(patch.levels.size()) + "\n" +
                  (patch.index != nullptr ? "#define INDEX\n" : "");
+  if (patch.relief)
+    definitions += "#define ALL_GROUPS " + std::to_string(patch.groups) + "\n#define RELIEF_STEPS " +
+                   std::to_string(transport::kReliefSteps) + "\n#define LEAST_RELIEF_COSINE " +
+                   std::to_string(transport::kLeastReliefCosine) + "\n#define UNSEEN_RELIEF_WEIGHT " +
+                   std::to_string(transport::kUnseenReliefWeight) + "\n";
   patch.program = makeProgram(
       {{GL_VERTEX_SHADER, {kBiScaleVert}, definitions}, {GL_FRAGMENT_SHADER, {kBiScaleFrag}, definitions}});
   const auto stride = static_cast<GLsizei>(most_groups_ * 3 * sizeof(Float4));
@@ -315,6 +370,11 @@ void BiScale::draw(const Eigen::Matrix4f& clip_from_position) const {
     } else {
       glUniform2fv(kPlacing, 1, patch.repeats.data());
     }
+    if (patch.relief) {
+      glBindTextureUnit(2, patch.heights.name());
+      glBindTextureUnit(3, patch.slopes.name());
+      glUniform1f(kHighest, patch.highest);
+    }
     for (std::size_t i = 0; i < patch.draws.size(); ++i) {
       // What the first draw shows, the others add to.
       if (i == 1) glEnable(GL_BLEND);
@@ -332,7 +392,7 @@ std::size_t BiScale::gpuBytes() const {
   std::size_t bytes = transfer_->gpuBytes() + light_.gpuBytes() + sizeInBytes(normals_) +
                       sizeInBytes(tangents_) + sizeInBytes(texcoords_) + sizeInBytes(albedo_) +
                       sizeInBytes(projected_) + index_bytes_;
-  for (const Patch& patch : patches_) bytes += sizeInBytes(patch.indices) + patch.factor_bytes;
+  for (const Patch& patch : patches_) bytes += sizeInBytes(patch.indices) + patch.texture_bytes;
   return bytes;
 }
 

@@ -48,9 +48,12 @@ class BiScale final : public Technique {
     float texel_width = 1;
     std::array<float, 2> repeats = {1, 1};  // texture coordinates to places of the patch, without an index
     std::vector<std::array<GLint, 4>>
-        levels;       // x, y, width and height in the texture of factors: in texels of the patch
-    Texture factors;  // a layer a group
-    std::size_t factor_bytes = 0;
+        levels;  // x, y, width and height in the texture of factors: in texels of the patch
+    Texture factors;
+    bool relief = false;
+    Texture heights, slopes;  // with relief: a layer a view, a texel a view
+    float highest = 0;
+    std::size_t texture_bytes = 0;
     const Texture* index = nullptr;
     std::array<float, 4> index_decoding = {1, 1, 0, 0};  // scale, offset
     Program project_program, program;
@@ -58,6 +61,7 @@ class BiScale final : public Technique {
   };
 
   void uploadFactors(const formats::RttReflection& reflection, Patch& patch);
+  void uploadRelief(const formats::RttReflection& reflection, Patch& patch);
   void addDraws(const formats::RttReflection& reflection, Patch& patch);
   void drawDepth(const Eigen::Matrix4f& clip_from_position) const;
   void project();
