@@ -115,7 +115,7 @@ std::array<RttTable::View, 4> RttTable::viewsAt(const RttLevel& level, const Flo
       const Float2 shift = {slope[0] - slopes_[one.view][0], (slope[1] - slopes_[one.view][1]) * aspect};
       const auto shifted = [&](float h) { return Float2{place[0] + h * shift[0], place[1] + h * shift[1]}; };
       Float2 last = place;
-      one.place = shifted(highest_);
+      one.place = shifted(kReliefStart * highest_);
       for (int step = 0; step < kReliefSteps; ++step) {
         last = one.place;
         one.place = shifted(heightAt(level, last, one.view));

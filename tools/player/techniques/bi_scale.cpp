@@ -40,7 +40,7 @@ enum Uniform : GLint {  // both shaders
   kAlpha,
   kPlacing,
   kLevels,
-  kHighest = 32  // beyond all levels
+  kStartHeight = 32  // beyond all levels
 };
 
 Buffer bufferOf(const auto& values) {
@@ -229,7 +229,7 @@ void BiScale::uploadRelief(const RttReflection& reflection, Patch& patch) {
   const std::size_t views = static_cast<std::size_t>(side) * side;
   requireRoom(reflection.width, reflection.height, side * side);
   const std::vector<float> heights = reflection.heights->decode();
-  patch.highest = *std::max_element(heights.begin(), heights.end());
+  patch.start_height = transport::kReliefStart * *std::max_element(heights.begin(), heights.end());
   GLuint name = 0;
   glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
   patch.heights = Texture(name);
@@ -373,7 +373,7 @@ void BiScale::draw(const Eigen::Matrix4f& clip_from_position) const {
     if (patch.relief) {
       glBindTextureUnit(2, patch.heights.name());
       glBindTextureUnit(3, patch.slopes.name());
-      glUniform1f(kHighest, patch.highest);
+      glUniform1f(kStartHeight, patch.start_height);
     }
     for (std::size_t i = 0; i < patch.draws.size(); ++i) {
       // What the first draw shows, the others add to.

@@ -52,7 +52,7 @@ class BiScale final : public Technique {
     Texture factors;
     bool relief = false;
     Texture heights, slopes;  // with relief: a layer a view, a texel a view
-    float highest = 0;
+    float start_height = 0;
     std::size_t texture_bytes = 0;
     const Texture* index = nullptr;
     std::array<float, 4> index_decoding = {1, 1, 0, 0};  // scale, offset

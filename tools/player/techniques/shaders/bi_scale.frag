@@ -25,7 +25,7 @@ layout(binding = 0) uniform sampler2DArray factors;
 #ifdef RELIEF_STEPS
 layout(binding = 2) uniform sampler2DArray heights;  // a layer a view
 layout(binding = 3) uniform sampler2D slopes;        // of views
-layout(location = 32) uniform float highest;
+layout(location = 32) uniform float start_height;
 #endif
 
 layout(location = 0) out vec4 linear;
@@ -63,7 +63,7 @@ ivec2 texelAt(int level, vec2 place) {
 vec3 seenBy(ivec2 cell, vec2 slope, vec2 place, int level) {
   vec2 shift = slope - texelFetch(slopes, cell, 0).xy;
   shift.y *= float(levels[0].z) / float(levels[0].w);
-  vec2 last = place, at = place + highest * shift;
+  vec2 last = place, at = place + start_height * shift;
   for (int step = 0; step < RELIEF_STEPS; ++step) {
     last = at;
     at = place + textureLod(heights, vec3(at.x, 1.0 - at.y, cell.y * VIEWS + cell.x), float(level)).r * shift;
