@@ -7,6 +7,7 @@
 
 #include "formats/btf.h"
 #include "formats/btf_color.h"
+#include "formats/words.h"
 
 namespace bakelight::formats {
 
@@ -17,6 +18,19 @@ struct BtfFactors {
 };
 
 enum class BtfPrecision { kHalf, kFloat };
+inline constexpr Word<BtfPrecision> kBtfPrecisions[] = {{"half", BtfPrecision::kHalf},
+                                                        {"float", BtfPrecision::kFloat}};
+
+enum class BtfWrittenLayout { kFactorized, kRaw };
+inline constexpr Word<BtfWrittenLayout> kBtfWrittenLayouts[] = {{"factorized", BtfWrittenLayout::kFactorized},
+                                                                {"raw", BtfWrittenLayout::kRaw}};
+
+// Those that can be written.
+inline constexpr Word<BtfColorModel> kBtfWrittenModels[] = {{"yuv", BtfColorModel::kYuv},
+                                                            {"rgb", BtfColorModel::kRgb},
+                                                            {"ycocg", BtfColorModel::kYCoCg},
+                                                            {"log_yuv", BtfColorModel::kLogYRelativeUv},
+                                                            {"log_rgb", BtfColorModel::kLogRgb}};
 
 // Decorrelated full-matrix factorisation ("!DFMF08FCR"), three channels that may have different ranks, without rotations.
 // Atomic; written as it comes. Throws Error(kBadInput) naming the channel if a value does not fit a half, std::logic_error

@@ -463,6 +463,54 @@ Comparison compareRadianceTransferTextures(std::span<const RadianceTransferTextu
   return comparison;
 }
 
+namespace {
+
+bool haveOneSampling(Comparison& comparison, const Btf& btf, const Btf& reference) {
+  const BtfInfo &info = btf.info(), &expected = reference.info();
+  bool same = agree(comparison, "width", info.width, expected.width);
+  same &= agree(comparison, "height", info.height, expected.height);
+  same &= agree(comparison, "cosine inside", info.cosine_inside, expected.cosine_inside);
+  constexpr double kSame_rad = 1e-5;
+  for (const auto& [what, list] :
+       {std::pair("view", &BtfInfo::views), std::pair("light", &BtfInfo::lights)}) {
+    const std::vector<BtfDirection>&directions = info.*list, &others = expected.*list;
+    if (!agree(comparison, std::string(what) + "s", directions.size(), others.size())) return false;
+    for (std::size_t i = 0; i < directions.size() && same; ++i)
+      if (std::abs(directions[i].polar_rad - others[i].polar_rad) > kSame_rad ||
+          std::abs(directions[i].azimuth_rad - others[i].azimuth_rad) > kSame_rad)
+        same = agree(comparison, what + (" " + std::to_string(i)) + ", polar angle and azimuth",
+                     std::pair(directions[i].polar_rad, directions[i].azimuth_rad),
+                     std::pair(others[i].polar_rad, others[i].azimuth_rad));
+  }
+  return same;
+}
+
+}  // namespace
+
+Comparison compareBtfs(const Btf& btf, const Btf& reference, const CompareLimits& limits) {
+  constexpr std::size_t kBlock = 1024;  // texels
+  Comparison comparison;
+  if (!haveOneSampling(comparison, btf, reference)) return comparison;
+  ValueDifference difference;
+  const std::size_t texels = btf.texelCount();
+  for (int v = 0; v < static_cast<int>(btf.info().views.size()); ++v) {
+    const std::vector<int> lights = btf.lightsOf(v);
+    if (!agree(comparison, "view " + std::to_string(v) + ", lights", lights, reference.lightsOf(v)))
+      return comparison;
+    const auto view = btf.view(v), expected = reference.view(v);
+    for (std::size_t first = 0; first < texels; first += kBlock) {
+      const std::size_t count = std::min(kBlock, texels - first);
+      std::vector<float> values(3 * lights.size() * count), expected_values(values.size());
+      view->decode(lights, {first, count}, values);
+      expected->decode(lights, {first, count}, expected_values);
+      for (std::size_t i = 0; i < values.size(); ++i) difference.add(values[i], expected_values[i]);
+      comparison.compared_values += values.size();
+    }
+  }
+  addValues(comparison, "values", difference, limits);
+  return comparison;
+}
+
 Comparison compareJson(const Json& json, const Json& reference, const CompareLimits& limits) {
   Comparison comparison;
   JsonComparer(limits, comparison).compare(json, reference, "");
@@ -487,8 +535,8 @@ Comparison comparePacks(const Pack& pack, const Pack& reference, const CompareLi
 }
 
 const std::vector<std::string>& comparedKinds() {
-  static const std::vector<std::string> kinds = {"mesh", "meso_mesh", "image", "id_map",
-                                                 "rtt",  "tensors",   "json",  "pack"};
+  static const std::vector<std::string> kinds = {"mesh", "meso_mesh", "image", "id_map", "rtt",
+                                                 "btf",  "tensors",   "json",  "pack"};
   return kinds;
 }
 
@@ -504,6 +552,7 @@ Comparison compareFiles(const std::string& kind, const std::filesystem::path& fi
   if (kind == "rtt")
     return compareRadianceTransferTextures(readRadianceTransferTextures(file),
                                            readRadianceTransferTextures(reference), limits);
+  if (kind == "btf") return compareBtfs(*openBtf(file), *openBtf(reference), limits);
   if (kind == "tensors") return compareTensors(readSafetensors(file), readSafetensors(reference), limits);
   if (kind == "json") return compareJson(readJson(file), readJson(reference), limits);
   if (kind != "pack") throw std::invalid_argument("there is no comparison for files of kind " + kind);

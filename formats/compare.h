@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/btf.h"
 #include "formats/image.h"
 #include "formats/index_image.h"
 #include "formats/json.h"
@@ -26,12 +27,12 @@ struct CompareLimits {
   double distance = 0;
   // Meshes and packs: largest length of the difference of two normals (of vertices nearest to each other).
   double normal = 0;
-  // Images (per channel), tensors, radiance transfer textures, the tables of packs, texture coordinates and colours of meshes (vertex by
+  // Images (per channel), tensors, radiance transfer textures, BTFs, the tables of packs, texture coordinates and colours of meshes (vertex by
   // vertex): largest absolute difference of two values.
   double maximum = 0;
   // Images, per channel: root of the mean squared difference.
   double rms = 0;
-  // Tensors, radiance transfer textures and the tables of packs: norm of the difference over the reference's norm. JSON: |a − b| over
+  // Tensors, radiance transfer textures, BTFs and the tables of packs: norm of the difference over the reference's norm. JSON: |a − b| over
   // the larger magnitude, for numbers with a fraction; integers agree exactly.
   double relative = 0;
   // Images of indices, per channel: share of the values that are another.
@@ -69,13 +70,16 @@ Comparison compareIndices(const IndexImage& image, const IndexImage& reference, 
 Comparison compareRadianceTransferTextures(std::span<const RadianceTransferTexture> textures,
                                            std::span<const RadianceTransferTexture> reference,
                                            const CompareLimits& limits);
+// Sizes, directions (to 10⁻⁵ rad), which pictures there are and whether cosines are inside exactly; of all values `relative` and
+// `maximum`. Layouts and color models may differ.
+Comparison compareBtfs(const Btf& btf, const Btf& reference, const CompareLimits& limits);
 Comparison compareTensors(const TensorFile& tensors, const TensorFile& reference,
                           const CompareLimits& limits);
 Comparison compareJson(const Json& json, const Json& reference, const CompareLimits& limits);
 Comparison comparePacks(const Pack& pack, const Pack& reference, const CompareLimits& limits);
 
 // The kinds that compareFiles knows: "mesh" (our PLY), "meso_mesh", "image", "id_map",
-// "rtt", "tensors", "json", "pack".
+// "rtt", "btf", "tensors", "json", "pack".
 const std::vector<std::string>& comparedKinds();
 
 // Packs agree in their sections' names, too: a compressed one is not its plain counterpart. Throws

@@ -39,6 +39,7 @@ const std::map<std::string, std::vector<std::string>>& limitNames() {
       {"image", {"rms", "maximum"}},
       {"id_map", {"share"}},
       {"rtt", {"relative", "maximum"}},
+      {"btf", {"relative", "maximum"}},
       {"json", {"relative", kIgnoredKeys}}};
   return names;
 }
@@ -164,7 +165,7 @@ CompareLimits defaultLimits(const std::string& kind) {
   if (kind == "pack") return {.distance = 1e-5, .normal = 1e-3, .maximum = 2e-2, .relative = 2e-3};
   if (kind == "image") return {.maximum = 0.5, .rms = 5e-3};
   if (kind == "id_map") return {.share = 1e-3};
-  if (kind == "rtt") return {.maximum = 0.05, .relative = 2e-3};
+  if (kind == "rtt" || kind == "btf") return {.maximum = 0.05, .relative = 2e-3};
   if (kind == "json") return {.relative = 1e-6};
   return {};
 }

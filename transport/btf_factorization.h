@@ -22,4 +22,7 @@ struct BtfFactorization {
 // missing.
 BtfFactorization factorize(const formats::Btf& btf, formats::BtfColorModel model, int rank);
 
+// √(Σ (btf − expected)² / Σ expected²) of red, green and blue of two BTFs of the same shape. Decodes each once.
+double relativeError(const formats::Btf& btf, const formats::Btf& expected);
+
 }  // namespace bakelight::transport

@@ -26,14 +26,6 @@ constexpr formats::Word<btf::Cosine> kCosines[] = {{"as_file_says", btf::Cosine:
                                                    {"outside", btf::Cosine::kOutside}};
 constexpr formats::Word<formats::BtfPictureColors> kColors[] = {
     {"auto", formats::BtfPictureColors::kAutomatic}, {"xyz", formats::BtfPictureColors::kXyz}};
-constexpr formats::Word<btf::Layout> kLayouts[] = {{"factorized", btf::Layout::kFactorized},
-                                                   {"raw", btf::Layout::kRaw}};
-constexpr formats::Word<formats::BtfColorModel> kModels[] = {
-    {"yuv", formats::BtfColorModel::kYuv},
-    {"rgb", formats::BtfColorModel::kRgb},
-    {"ycocg", formats::BtfColorModel::kYCoCg},
-    {"log_yuv", formats::BtfColorModel::kLogYRelativeUv},
-    {"log_rgb", formats::BtfColorModel::kLogRgb}};
 constexpr formats::Word<bool> kPrecisions[] = {{"half", false}, {"float", true}};
 
 struct Options {
@@ -76,8 +68,8 @@ void declare(stage::Tool& tool, Options& options) {
       .parameter("picture_colors", options.pictures.colors, kColors, "What the channels of pictures are")
       .parameter("material", options.material, std::vector<std::string>{},
                  "Whose patch it is: the material's name in the texture")
-      .parameter("layout", options.rewriting.layout, kLayouts, "Of the written .btf")
-      .parameter("color_model", options.rewriting.model, kModels, "Of a factorized .btf")
+      .parameter("layout", options.rewriting.layout, formats::kBtfWrittenLayouts, "Of the written .btf")
+      .parameter("color_model", options.rewriting.model, formats::kBtfWrittenModels, "Of a factorized .btf")
       .parameter("rank", options.rewriting.rank, {1, 1024}, "",
                  "Products a channel of a factorized .btf at most")
       .parameter("precision", options.is_float, kPrecisions, "Of texture and factorized .btf");
@@ -167,7 +159,7 @@ void rewrite(const formats::Btf& btf, Options& options, stage::Run& run) {
   const btf::RewritingFigures figures = btf::rewrite(btf, options.written, options.rewriting);
   run.stat("written_bytes", figures.bytes);
   run.stat("written_error", figures.relative_error);
-  if (options.rewriting.layout == btf::Layout::kFactorized) {
+  if (options.rewriting.layout == formats::BtfWrittenLayout::kFactorized) {
     run.stat("ranks", figures.ranks);
     run.stat("channel_errors", figures.channel_errors);
   }

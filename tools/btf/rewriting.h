@@ -10,10 +10,8 @@
 
 namespace bakelight::btf {
 
-enum class Layout { kFactorized, kRaw };
-
 struct RewritingOptions {
-  Layout layout = Layout::kFactorized;
+  formats::BtfWrittenLayout layout = formats::BtfWrittenLayout::kFactorized;
   formats::BtfColorModel model = formats::BtfColorModel::kYuv;
   int rank = 32;
   formats::BtfPrecision precision = formats::BtfPrecision::kHalf;
@@ -32,8 +30,5 @@ struct RewritingFigures {
 // Throws as factorize, the writers and decoding do.
 RewritingFigures rewrite(const formats::Btf& btf, const std::filesystem::path& path,
                          const RewritingOptions& options);
-
-// Of two BTFs of the same shape.
-double relativeError(const formats::Btf& btf, const formats::Btf& expected);
 
 }  // namespace bakelight::btf

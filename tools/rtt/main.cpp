@@ -1,4 +1,5 @@
 // rtt: what the patches of materials send towards each view, of each spherical harmonic of the light on them.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -10,6 +11,7 @@
 #include "formats/error.h"
 #include "formats/material.h"
 #include "patch/read_patch.h"
+#include "tools/rtt/btf_output.h"
 #include "tools/rtt/rtt.h"
 #include "tools/rtt/view_dependence.h"
 #include "tools/stage/stage.h"
@@ -80,6 +82,17 @@ int wholeNumber(double bounces) {
   return static_cast<int>(bounces);
 }
 
+// A `.btf` file holds one.
+void requireOnePatch(const std::vector<NamedMaterial>& named, const std::filesystem::path& file) {
+  const auto rendered = std::count_if(named.begin(), named.end(), [](const NamedMaterial& each) {
+    return each.material->patch->hasSurface();
+  });
+  if (rendered != 1)
+    throw badInput({file.string(), "", "/patch"},
+                   std::to_string(rendered) + " materials have a patch with a surface, and a .btf holds one",
+                   "one", "run rtt for each material on its own, or without --btf");
+}
+
 void requireRoom(const rtt::Options& options, double aspect) {
   constexpr double kMostValues = 2e9;
   const double values =
@@ -115,8 +128,10 @@ int main(int argc, char** argv) {
   std::filesystem::path material_path, rtt_path;
   rtt::Options options;
   std::optional<double> bounces;
+  rtt::BtfOutput btf;
   stage::Tool tool("rtt",
-                   "Renders patches of meso-structure towards all views, for light in spherical harmonics");
+                   "Renders patches of meso-structure towards all views, for light in spherical harmonics, and "
+                   "from each direction");
   tool.input("material", "material", material_path,
              "Each material's \"patch\" that has a surface (\"height\" or \"geometry\") is rendered",
              {.required = true, .parts = {"albedo", "reflection", "patch"}})
@@ -146,6 +161,7 @@ int main(int argc, char** argv) {
       .parameter("masking", options.masking,
                  "A view sees along its direction; without, all see what lies straight below")
       .executionPath(transport::RayScene::executionPath);
+  rtt::declare(tool, btf);
 
   return tool.run(argc, argv, [&](stage::Run& run) {
     if (bounces) options.bounces = wholeNumber(*bounces);
@@ -155,11 +171,13 @@ int main(int argc, char** argv) {
       throw badInput({material_path.string(), "", "/patch"}, "no material has a patch",
                      "a \"patch\" with \"height\", \"geometry\", \"file\" or \"rtt\"",
                      "add one to a material's \"patch\"");
+    if (!btf.path.empty()) requireOnePatch(named, material_path);
     stage::Progress progress =
         run.progress("rtt", named.size() * static_cast<std::size_t>(options.views) * options.views, "views");
     const auto start = std::chrono::steady_clock::now();
     std::vector<formats::RadianceTransferTexture> textures;
     formats::Json stats = formats::Json::array();
+    std::optional<patch::PatchGeometry> of_btf;
     std::uint64_t rays = 0;
     double view_dependence = 0;
     for (const NamedMaterial& each : named) {
@@ -173,6 +191,7 @@ int main(int argc, char** argv) {
       const patch::PatchGeometry geometry = patch::readPatch(*each.material);
       for (const std::string& note : geometry.notes) run.warn(note);
       requireRoom(options, geometry.aspect);
+      if (!btf.path.empty()) rtt::requireRoom(btf, options, geometry.aspect, run);
       rtt::Rtt made = rtt::makeRtt(geometry, options, [&] { progress.advance(1); });
       made.texture.material = each.name;
       warnOf(each, made.figures, options, run);
@@ -180,9 +199,11 @@ int main(int argc, char** argv) {
       view_dependence = std::max(view_dependence, made.figures.view_dependence.from_head_on);
       stats.push_back(toJson(each.name, made));
       textures.push_back(std::move(made.texture));
+      if (!btf.path.empty()) of_btf = geometry;
     }
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!rtt_path.empty()) formats::writeRadianceTransferTextures(rtt_path, textures);
+    if (of_btf) run.stat("btf", rtt::makeAndWrite(btf, *of_btf, options, run));
     run.stat("textures", stats);
     run.stat("view_dependence", view_dependence);
     run.stat("seconds", seconds);

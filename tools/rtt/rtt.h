@@ -33,6 +33,7 @@ struct Options {
   int elements = 64;                // of the patch's width: longest edge of what light is solved on
 };
 
+// Of a run, whatever light is expressed in.
 struct Figures {
   std::uint64_t surface_triangles = 0, surface_points = 0;
   double longest_edge = 0;        // of what light was solved on, in widths: as asked for, or longer

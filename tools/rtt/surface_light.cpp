@@ -42,8 +42,8 @@ class DirectBlock {
         if (blocked_[i] != 0) continue;
         const double weight = light.solid_angle_sr * cosines_[i] / std::numbers::pi;
         sky_[lit_[i]] += weight;
-        double* sum = &sums_[lit_[i] * coefficients];
-        for (std::size_t c = 0; c < coefficients; ++c) sum[c] += weight * light.basis[c];
+        double* sum = &sums_[lit_[i] * coefficients + light.first];
+        for (std::size_t c = 0; c < light.basis.size(); ++c) sum[c] += weight * light.basis[c];
       }
     }
   }
@@ -120,7 +120,7 @@ SurfaceLight surfaceLight(const patch::PatchGeometry& geometry, const transport:
                           std::span<const LightDirection> lights, const SurfaceLightOptions& options) {
   SurfaceLight light;
   light.sides = surfaceSides(geometry);
-  light.coefficients = static_cast<std::size_t>(options.order) * options.order;
+  light.coefficients = options.coefficients;
   const bool bounces = options.bounces != 0;
   if (bounces && !allGray(light.sides.albedo)) light.channels = 3;
   const auto start = Clock::now();

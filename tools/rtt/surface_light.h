@@ -15,7 +15,7 @@
 namespace bakelight::rtt {
 
 struct SurfaceLightOptions {
-  int order = 5;
+  std::size_t coefficients = 25;  // functions in the lights' basis
   bool shadows = true;
   std::optional<int> bounces = 0;  // nothing: all of them, by a solver
   double threshold = 1e-4;         // light that a solution of all bounces may still lack, of all light
@@ -24,9 +24,9 @@ struct SurfaceLightOptions {
 
 struct SurfaceLight {
   SurfaceSides sides;
-  std::size_t coefficients = 0;  // order²
+  std::size_t coefficients = 0;  // functions of the basis
   std::size_t channels = 1;      // 3 where bounces color it
-  // Irradiance / π by row (SurfaceSides), under each spherical harmonic of the light above the mid-plane's horizon.
+  // Irradiance / π by row (SurfaceSides), under each function of the light above the mid-plane's horizon.
   transport::TransferField rows{0, 1};
   std::uint64_t rays = 0, form_factors = 0, buried = 0;
   std::optional<transport::InterreflectionReport> bounced;

@@ -12,7 +12,6 @@
 #include "transport/hemisphere_grid.h"
 #include "transport/multiversioned.h"
 #include "transport/random.h"
-#include "transport/sh.h"
 
 namespace bakelight::rtt {
 namespace {
@@ -21,12 +20,12 @@ using formats::Float3;
 using transport::Vec3;
 using transport::vec3;
 
-// Of three colors, each `count` values; `stride` from one to the next in the row.
+// Of three colors, each `count` values; `stride` from one to the next in the row, `sum_stride` in the sums.
 BAKELIGHT_MULTIVERSIONED void addTinted(const float* row, std::size_t stride, std::size_t count,
-                                        const float* tint, float* sums) {
+                                        const float* tint, float* sums, std::size_t sum_stride) {
   for (std::size_t channel = 0; channel < 3; ++channel)
     for (std::size_t i = 0; i < count; ++i)
-      sums[channel * count + i] += tint[channel] * row[channel * stride + i];
+      sums[channel * sum_stride + i] += tint[channel] * row[channel * stride + i];
 }
 
 // What all rows of all views share.
@@ -35,6 +34,7 @@ struct Setting {
   const transport::PeriodicRayScene& scene;
   const SurfaceLight& light;
   const ViewOptions& options;
+  const LightBasis& basis;
   GlossyReflection reflection;
   int glossy_samples = 0;  // of each look
   double offset = 0;       // of rays that leave the surface
@@ -42,8 +42,8 @@ struct Setting {
 };
 
 Setting settingOf(const patch::PatchGeometry& geometry, const transport::PeriodicRayScene& scene,
-                  const SurfaceLight& light, const ViewOptions& options) {
-  Setting setting{geometry, scene, light, options, GlossyReflection(geometry.reflection)};
+                  const SurfaceLight& light, const ViewOptions& options, const LightBasis& basis) {
+  Setting setting{geometry, scene, light, options, basis, GlossyReflection(geometry.reflection)};
   setting.glossy_samples = setting.reflection.sampleCount(options.glossy_samples);
   setting.offset = transport::surfaceOffset(geometry.mesh, transport::kDefaultBias);
   setting.plain = geometry.mesh.colors.empty() && geometry.texture.values.empty();
@@ -79,7 +79,7 @@ class Looks {
       if (row == nullptr) return false;
       const Float3 weight = {weights[corner] * albedo[0] * tint[0], weights[corner] * albedo[1] * tint[1],
                              weights[corner] * albedo[2] * tint[2]};
-      addTinted(row, stride, coefficients_, weight.data(), response.data());
+      addTinted(row, stride, coefficients_, weight.data(), response.data(), coefficients_);
     }
     return true;
   }
@@ -113,27 +113,28 @@ class Looks {
 // A row of texels towards one view.
 class RowOfTexels {
  public:
-  RowOfTexels(const Setting& setting, const formats::RadianceTransferTexture& texture)
+  RowOfTexels(const Setting& setting, const Responses& responses)
       : setting_(setting),
-        order_(texture.order),
-        views_(setting, texture.coefficientCount()),
-        mirrored_(setting, texture.coefficientCount()),
-        next_(setting, texture.coefficientCount()),
-        basis_(texture.coefficientCount()),
-        floats_(texture.coefficientCount()) {}
+        responses_(responses),
+        views_(setting, responses.coefficients),
+        mirrored_(setting, responses.coefficients),
+        next_(setting, responses.coefficients) {}
 
-  ViewFigures render(const Vec3& view, int column, int row, int y,
-                     formats::RadianceTransferTexture& texture) {
+  ViewFigures render(int index, int y) {
+    const Vec3 view =
+        transport::hemisphereCell(responses_.views, index % responses_.views, index / responses_.views);
     const int supersampling = setting_.options.supersampling;
     views_.rays.clear();
     const Vec3 looked_along = setting_.options.masking ? view : Vec3(0, 0, 1);
     rowOfViewRays(setting_.geometry, setting_.scene, looked_along,
-                  {texture.width, texture.height, supersampling}, y, views_.rays);
+                  {responses_.width, responses_.height, supersampling}, y, views_.rays);
     views_.trace();
     ViewFigures figures{.rays = views_.rays.size()};
     const std::size_t samples = static_cast<std::size_t>(supersampling) * supersampling;
-    for (int x = 0; x < texture.width; ++x) {
-      const std::span<float> response = texture.response(column, row, x, y);
+    for (int x = 0; x < responses_.width; ++x) {
+      const std::size_t texel = responses_.number(index, x, y);
+      const std::span<float> response =
+          responses_.values.subspan(texel * responses_.size(), responses_.size());
       startPaths();
       auto highest = static_cast<float>(setting_.scene.lowest());
       for (std::size_t s = 0; s < samples; ++s) {
@@ -144,16 +145,14 @@ class RowOfTexels {
         } else if (!views_.addDiffuse(ray, {1, 1, 1}, response)) {
           ++figures.inside;
         } else if (setting_.glossy_samples > 0) {
-          const auto texel =
-              static_cast<std::uint64_t>(texture.offset(column, row, x, y)) / texture.responseSize();
           mirror(views_, ray, view, setting_.glossy_samples, {1, 1, 1}, texel * samples + s);
         }
       }
-      if (!texture.heights.empty()) texture.heights[texture.responseIndex(column, row, x, y)] = highest;
+      if (!responses_.heights.empty()) responses_.heights[texel] = highest;
       figures.glossy_rays += followPaths(response);
       for (float& value : response) value /= static_cast<float>(samples);
       for (std::size_t c = 0; c < 3; ++c)
-        figures.weighted_sums[c] += view.z() * response[c * texture.coefficientCount()];
+        figures.weighted_sums[c] += view.z() * response[c * responses_.coefficients];
     }
     return figures;
   }
@@ -204,37 +203,31 @@ class RowOfTexels {
   }
 
   void addSky(const Path& path, std::span<float> response) {
-    transport::evaluateSh(order_, path.direction, basis_);
-    std::transform(basis_.begin(), basis_.end(), floats_.begin(),
-                   [](double y) { return static_cast<float>(y); });
-    addTinted(floats_.data(), 0, floats_.size(), path.weight.data(), response.data());
+    const LightBasis::Values values = setting_.basis.at(path.direction, room_);
+    addTinted(values.some.data(), 0, values.some.size(), path.weight.data(), &response[values.first],
+              responses_.coefficients);
   }
 
   const Setting& setting_;
-  int order_;
+  const Responses& responses_;
   Looks views_, mirrored_, next_;
   std::vector<GlossySample> found_;
   std::vector<Path> paths_, next_paths_;
-  std::vector<double> basis_;
-  std::vector<float> floats_;
+  LightBasis::Room room_;
 };
 
 }  // namespace
 
 ViewFigures renderViews(const patch::PatchGeometry& geometry, const transport::PeriodicRayScene& scene,
-                        const SurfaceLight& light, const ViewOptions& options,
-                        const std::function<void()>& progress, formats::RadianceTransferTexture& texture) {
-  texture.allocate();
-  if (options.masking && texture.views > 1) texture.heights.assign(texture.responseCount(), 0.0F);
-  const Setting setting = settingOf(geometry, scene, light, options);
-  const auto rows = static_cast<std::size_t>(texture.height);
-  std::vector<ViewFigures> parts(texture.viewCount() * rows);
-  tbb::enumerable_thread_specific<RowOfTexels> workspaces([&] { return RowOfTexels(setting, texture); });
+                        const SurfaceLight& light, const ViewOptions& options, const LightBasis& basis,
+                        const std::function<void()>& progress, const Responses& responses) {
+  const Setting setting = settingOf(geometry, scene, light, options, basis);
+  const auto rows = static_cast<std::size_t>(responses.height);
+  std::vector<ViewFigures> parts(static_cast<std::size_t>(responses.views) * responses.views * rows);
+  tbb::enumerable_thread_specific<RowOfTexels> workspaces([&] { return RowOfTexels(setting, responses); });
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
     const int view = static_cast<int>(part / rows), y = static_cast<int>(part % rows);
-    const int column = view % texture.views, row = view / texture.views;
-    parts[part] = workspaces.local().render(transport::hemisphereCell(texture.views, column, row), column,
-                                            row, y, texture);
+    parts[part] = workspaces.local().render(view, y);
     if (y == 0) progress();
   });
   ViewFigures figures;

@@ -1,0 +1,37 @@
+// The bidirectional texture function of a patch of meso-structure: what it sends towards each view, of the light from each
+// cell of the hemisphere's grid (Sloan, Liu, Shum & Snyder 2003, "Bi-Scale Radiance Transfer", section 4.2). The same
+// surface, light and looks as makeRtt's, in another basis.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "formats/btf.h"
+#include "patch/patch_geometry.h"
+#include "tools/rtt/rtt.h"
+
+namespace bakelight::rtt {
+
+struct BtfOptions {
+  int lights = 8;         // a side of the grid of lights
+  int light_samples = 2;  // a side, directions of light in each cell
+};
+
+struct DirectionalBtf {
+  // Views: the middles of views × views cells; lights: of lights × lights. A value is the mean over the cell of the
+  // radiance under a directional light of unit irradiance normal to itself, so cosines are inside: times radiance × solid angle
+  // that comes through the cell, summed over the cells, it is the radiance towards the view.
+  std::unique_ptr<formats::Btf> btf;
+  Figures figures;  // without view_dependence
+};
+
+// Bytes of the values in memory: views² · lights² · texels · 12.
+double btfBytes(const Options& options, const BtfOptions& btf, double aspect);
+
+// `file`: what it is called in messages. `progress` as of makeRtt. Memory: btfBytes, and the light on the surface,
+// points × lights² × 12 bytes some five times; throws Error(kUsage) where one of these fields would be more than 1 GiB. Threads by TBB, same
+// bytes for any number.
+DirectionalBtf makeBtf(const patch::PatchGeometry& geometry, const Options& options, const BtfOptions& btf,
+                       const std::string& file, const std::function<void()>& progress);
+
+}  // namespace bakelight::rtt
