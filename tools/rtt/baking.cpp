@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <utility>
 
-#include "formats/error.h"
 #include "tools/rtt/elements.h"
 #include "transport/hemisphere_grid.h"
 
@@ -49,15 +47,7 @@ Baking::Baking(const patch::PatchGeometry& given, const Options& options, LightB
   tree_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
 }
 
-void Baking::solve(std::span<const LightDirection> lights, std::size_t most_bytes) {
-  const std::size_t bytes = geometry_.mesh.vertexCount() * basis_.count() * 3 * sizeof(float);
-  if (bytes > most_bytes)
-    throw Error(ExitStatus::kUsage, {"", "--elements", ""},
-                "light from " + std::to_string(basis_.count()) + " cells at " +
-                    std::to_string(geometry_.mesh.vertexCount()) + " points takes " +
-                    std::to_string(static_cast<double>(bytes) / 1e9) + " GB",
-                std::to_string(static_cast<double>(most_bytes) / 1e9) + " GB at most",
-                "lessen elements, or the lights of the BTF");
+void Baking::solve(std::span<const LightDirection> lights) {
   light_ = surfaceLight(geometry_, scene_, lights,
                         {.coefficients = basis_.count(),
                          .shadows = options_.shadows,

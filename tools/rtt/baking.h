@@ -3,7 +3,6 @@
 
 #include <array>
 #include <chrono>
-#include <cstdint>
 #include <functional>
 #include <span>
 
@@ -20,9 +19,8 @@ class Baking {
  public:
   Baking(const patch::PatchGeometry& given, const Options& options, LightBasis basis);
 
-  // Of every function of the basis, by the given lights. `most_bytes`: that the solution may take; throws
-  // Error(kUsage) naming the parameter `elements` before anything is traced where it would be more.
-  void solve(std::span<const LightDirection> lights, std::size_t most_bytes = SIZE_MAX);
+  // Of every function of the basis, by the given lights.
+  void solve(std::span<const LightDirection> lights);
   // Of `responses`, which are 0.
   ViewFigures render(const std::function<void()>& progress, const Responses& responses) const;
   // What both took and met.

@@ -22,14 +22,21 @@ void declare(stage::Tool& tool, BtfOutput& output) {
       .parameter("btf_precision", output.precision, formats::kBtfPrecisions, "Of a factorized .btf");
 }
 
-void requireRoom(const BtfOutput& output, const Options& options, double aspect, stage::Run& run) {
-  constexpr double kMostBytes = 4.3e9, kMany = 1e9;
-  const double bytes = btfBytes(options, output.options, aspect);
-  const std::string size = std::to_string(bytes / 1e9) + " GB";
-  if (bytes > kMostBytes)
-    throw Error(ExitStatus::kUsage, {"", "--btf", ""}, "a BTF of that size takes " + size + " of memory",
-                std::to_string(kMostBytes / 1e9) + " GB at most", "lessen resolution, views or btf_lights");
-  if (bytes > kMany) run.warn("the BTF takes " + size + " of memory until it is written");
+void requireRoom(const BtfOutput& output, const patch::PatchGeometry& geometry, const Options& options,
+                 stage::Run& run) {
+  constexpr double kMost = 4.3e9, kMany = 1e9, kMostLight = 1.1e9;
+  const auto gigabytes = [](double bytes) { return std::to_string(bytes / 1e9) + " GB"; };
+  const double bytes = btfBytes(options, output.options, geometry.aspect);
+  if (bytes > kMost)
+    throw Error(ExitStatus::kUsage, {"", "--btf", ""}, "a BTF of that size takes " + gigabytes(bytes),
+                gigabytes(kMost) + " of memory at most", "lessen resolution, views or btf_lights");
+  const double light_bytes = lightBytes(geometry, options, output.options);
+  if (light_bytes > kMostLight)
+    throw Error(ExitStatus::kUsage, {"", "--btf", ""},
+                "light from " + std::to_string(output.options.lights * output.options.lights) +
+                    " cells on so fine a surface takes " + gigabytes(light_bytes),
+                gigabytes(kMostLight) + " at most", "lessen elements or btf_lights");
+  if (bytes > kMany) run.warn("the BTF takes " + gigabytes(bytes) + " of memory until it is written");
 }
 
 formats::Json makeAndWrite(const BtfOutput& output, const patch::PatchGeometry& geometry,

@@ -15,14 +15,16 @@ struct BtfOutput {
   BtfOptions options;
   formats::BtfWrittenLayout layout = formats::BtfWrittenLayout::kFactorized;
   formats::BtfColorModel model = formats::BtfColorModel::kYuv;
-  int rank = 32;
+  int rank = 128;
   formats::BtfPrecision precision = formats::BtfPrecision::kHalf;
 };
 
 void declare(stage::Tool& tool, BtfOutput& output);
 
-// Before anything is rendered: throws Error(kUsage) where the values would not fit, warns where they are many.
-void requireRoom(const BtfOutput& output, const Options& options, double aspect, stage::Run& run);
+// Before anything is rendered: throws Error(kUsage) where it would take too much memory, warns
+// where it takes much.
+void requireRoom(const BtfOutput& output, const patch::PatchGeometry& geometry, const Options& options,
+                 stage::Run& run);
 
 // Renders, writes and reads again. Returns what stats tell of it.
 formats::Json makeAndWrite(const BtfOutput& output, const patch::PatchGeometry& geometry,

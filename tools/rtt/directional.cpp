@@ -9,21 +9,21 @@
 #include <vector>
 
 #include "tools/rtt/baking.h"
+#include "tools/rtt/elements.h"
 #include "transport/hemisphere_grid.h"
 
 namespace bakelight::rtt {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::size_t kMostLightBytes = std::size_t{1} << 30;
 
 std::vector<formats::BtfDirection> gridDirections(int side) {
   std::vector<formats::BtfDirection> directions;
   for (int row = 0; row < side; ++row)
     for (int column = 0; column < side; ++column) {
       const Vec3 middle = transport::hemisphereCell(side, column, row);
-      directions.push_back({std::atan2(std::hypot(middle.x(), middle.y()), middle.z()),
-                            std::atan2(middle.y(), middle.x())});
+      directions.push_back(
+          {std::atan2(std::hypot(middle.x(), middle.y()), middle.z()), std::atan2(middle.y(), middle.x())});
     }
   return directions;
 }
@@ -90,10 +90,16 @@ double btfBytes(const Options& options, const BtfOptions& btf, double aspect) {
          texelsDown(options, aspect) * 3 * sizeof(float);
 }
 
+double lightBytes(const patch::PatchGeometry& geometry, const Options& options, const BtfOptions& btf) {
+  double longest_edge = 1.0 / options.elements;
+  return static_cast<double>(withElements(geometry, longest_edge).mesh.vertexCount()) * btf.lights *
+         btf.lights * 3 * sizeof(float);
+}
+
 DirectionalBtf makeBtf(const patch::PatchGeometry& geometry, const Options& options, const BtfOptions& btf,
                        const std::string& file, const std::function<void()>& progress) {
   Baking baking(geometry, options, LightBasis::cells(btf.lights));
-  baking.solve(cellLights(btf.lights, btf.light_samples), kMostLightBytes);
+  baking.solve(cellLights(btf.lights, btf.light_samples));
   formats::BtfInfo info;
   info.file = file;
   info.layout = "rendered";

@@ -25,12 +25,13 @@ struct DirectionalBtf {
   Figures figures;  // without view_dependence
 };
 
-// Bytes of the values in memory: views² · lights² · texels · 12.
+// Bytes of the values in memory, views² · lights² · texels · 12; and of the light on the surface, points · lights² · 12, which
+// is held some five times while it is solved.
 double btfBytes(const Options& options, const BtfOptions& btf, double aspect);
+double lightBytes(const patch::PatchGeometry& geometry, const Options& options, const BtfOptions& btf);
 
-// `file`: what it is called in messages. `progress` as of makeRtt. Memory: btfBytes, and the light on the surface,
-// points × lights² × 12 bytes some five times; throws Error(kUsage) where one of these fields would be more than 1 GiB. Threads by TBB, same
-// bytes for any number.
+// `file`: what it is called in messages. `progress` as of makeRtt. Memory as above. Threads by
+// TBB, same bytes for any number.
 DirectionalBtf makeBtf(const patch::PatchGeometry& geometry, const Options& options, const BtfOptions& btf,
                        const std::string& file, const std::function<void()>& progress);
 

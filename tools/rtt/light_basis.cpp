@@ -28,7 +28,9 @@ std::size_t LightBasis::count() const {
 LightBasis::Values LightBasis::at(const Vec3& direction, Room& room) const {
   if (side_ > 0) {
     const transport::SquarePoint point = transport::squareFromHemisphere(direction);
-    const auto cell = [this](double place) { return std::clamp(static_cast<int>(place * side_), 0, side_ - 1); };
+    const auto cell = [this](double place) {
+      return std::clamp(static_cast<int>(place * side_), 0, side_ - 1);
+    };
     room.values.assign(1, static_cast<float>(1 / cellSolidAngle(side_)));
     return {static_cast<std::size_t>(cell(point.b)) * side_ + cell(point.a), room.values};
   }

@@ -129,9 +129,10 @@ int main(int argc, char** argv) {
   rtt::Options options;
   std::optional<double> bounces;
   rtt::BtfOutput btf;
-  stage::Tool tool("rtt",
-                   "Renders patches of meso-structure towards all views, for light in spherical harmonics, and "
-                   "from each direction");
+  stage::Tool tool(
+      "rtt",
+      "Renders patches of meso-structure towards all views, for light in spherical harmonics, and "
+      "from each direction");
   tool.input("material", "material", material_path,
              "Each material's \"patch\" that has a surface (\"height\" or \"geometry\") is rendered",
              {.required = true, .parts = {"albedo", "reflection", "patch"}})
@@ -191,7 +192,7 @@ int main(int argc, char** argv) {
       const patch::PatchGeometry geometry = patch::readPatch(*each.material);
       for (const std::string& note : geometry.notes) run.warn(note);
       requireRoom(options, geometry.aspect);
-      if (!btf.path.empty()) rtt::requireRoom(btf, options, geometry.aspect, run);
+      if (!btf.path.empty()) rtt::requireRoom(btf, geometry, options, run);
       rtt::Rtt made = rtt::makeRtt(geometry, options, [&] { progress.advance(1); });
       made.texture.material = each.name;
       warnOf(each, made.figures, options, run);
