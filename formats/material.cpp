@@ -106,16 +106,23 @@ Patch patchFrom(const JsonReader& object, const FileResolver& files) {
       throw rtt->error("a patch that is rendered already has no surface to render, and this one has",
                        "either \"rtt\", or \"height\" or \"geometry\"");
   }
+  if (const auto btf = object.find("btf")) {
+    patch.btf = fileNamed(btf->at("file", "a .btf file, or a zip of pictures"), files);
+    btf->refuseOthers();
+    if (patch.height || patch.geometry || !patch.rtt.empty())
+      throw btf->error("a patch that is measured has no surface to render, and this one has, or an \"rtt\"",
+                       "one of \"btf\", \"rtt\", \"height\" and \"geometry\"");
+  }
   if (const auto texture = object.find("texture")) {
     patch.texture = fileNamed(texture->at("file", "a picture"), files);
     texture->refuseOthers();
   }
   if (const auto albedo = object.find("albedo")) patch.albedo = albedo->float3(kShare);
   object.refuseOthers();
-  if (!patch.hasSurface() && patch.rtt.empty())
+  if (!patch.hasSurface() && patch.rtt.empty() && patch.btf.empty())
     throw object.error(
         "it has neither a picture nor a surface",
-        "\"file\": a picture, \"height\": a picture of heights, \"geometry\": a mesh, or \"rtt\"");
+        "\"file\": a picture, \"height\": a picture of heights, \"geometry\": a mesh, \"btf\", or \"rtt\"");
   return patch;
 }
 
@@ -170,6 +177,7 @@ Json toJson(const Patch& patch) {
   Json json = {{"periodic", patch.periodic}};
   if (!patch.file.empty()) json["file"] = patch.file.string();
   if (!patch.rtt.empty()) json["rtt"] = {{"file", patch.rtt.string()}};
+  if (!patch.btf.empty()) json["btf"] = {{"file", patch.btf.string()}};
   if (patch.width) json["width"] = *patch.width;
   if (patch.height) json["height"] = {{"file", patch.height->file.string()}, {"depth", patch.height->depth}};
   if (patch.geometry) {

@@ -80,12 +80,16 @@ struct Patch {
   std::optional<PatchMesh> geometry = {};
   // Instead of a surface: a texture that is made already, by rtt or of a measured BTF by btf; the first in the file.
   std::filesystem::path rtt = {};
+  // Or a measured BTF, a `.btf` file or a zip of pictures, of which btf makes one.
+  std::filesystem::path btf = {};
   // Of the surface: a picture over the patch times the albedo, where there is either.
   std::filesystem::path texture = {};
   std::optional<Float3> albedo = {};
 
   // Flat, with the picture as its colors, where there is neither height nor geometry.
-  bool hasSurface() const { return rtt.empty() && (height || geometry || !file.empty() || !texture.empty()); }
+  bool hasSurface() const {
+    return rtt.empty() && btf.empty() && (height || geometry || !file.empty() || !texture.empty());
+  }
   bool operator==(const Patch&) const = default;
 };
 

@@ -120,9 +120,10 @@ void renameFiles(Json& value, const std::function<std::string(const std::string&
 
 }  // namespace
 
-std::string hashWithCompanions(const Json& value, Memo& memo) {
+std::string hashWithNamedFiles(const Json& value, const Disk& disk, Memo& memo) {
   Json by_content = value;
-  renameFiles(by_content, [&](const std::string& file) { return memo.hashOf(file); });
+  renameFiles(by_content,
+              [&](const std::string& file) { return hashWithCompanions(fs::path(file), disk, memo); });
   return formats::contentHash(by_content.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 

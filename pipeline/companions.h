@@ -16,8 +16,9 @@ namespace bakelight::pipeline {
 // tool to report. Throws Error(kBadInput) if `path` itself cannot be read.
 std::string hashWithCompanions(const std::filesystem::path& path, const Disk& disk, Memo& memo);
 
-// Content hash of a text that stands in place of a file, and of the files that it names under "file".
-std::string hashWithCompanions(const formats::Json& value, Memo& memo);
+// Content hash of a text that stands in place of a file, and of the files that it names under "file" with what these
+// refer to.
+std::string hashWithNamedFiles(const formats::Json& value, const Disk& disk, Memo& memo);
 // The same text for a reader that stands elsewhere: with absolute paths of these files.
 formats::Json withAbsolutePaths(formats::Json value);
 

@@ -144,7 +144,7 @@ Ingredients Explainer::ingredientsOf(const Task& task, formats::Json parameters,
       const CachedFile& made = entries.at(*input.maker)->outputs.at(input.port);
       ingredients.inputs[port] = {made.hash, std::filesystem::path(made.name).extension().string()};
     } else if (!input.value.is_null()) {
-      ingredients.inputs[port] = {hashWithCompanions(input.value, memo_), ".json"};
+      ingredients.inputs[port] = {hashWithNamedFiles(input.value, disk_, memo_), ".json"};
     } else {
       ingredients.inputs[port] = {hashWithCompanions(input.file, disk_, memo_),
                                   input.file.extension().string()};

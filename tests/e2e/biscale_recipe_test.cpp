@@ -2,14 +2,17 @@
 // coordinates are the index themselves; materials with patches of their own.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "formats/btf_writer.h"
 #include "formats/image.h"
 #include "formats/index_image.h"
 #include "formats/json.h"
 #include "formats/meso_mesh.h"
 #include "formats/pack.h"
+#include "formats/radiance_transfer_texture.h"
 #include "formats/rtt_reflection.h"
 #include "tests/support/exemplars.h"
 #include "tests/support/shell.h"
@@ -108,6 +111,7 @@ TEST_F(BiscaleRecipe, TextureCoordinatesThatAreAnAtlasAreTheIndex) {
     EXPECT_EQ(stages.at(stage).at("left_out")[0].at("figure"), "own_uv.shortcomings");
     EXPECT_EQ(stages.at(stage).at("left_out")[0].at("value"), 0);
   }
+  EXPECT_EQ(stages.at("btf").at("status"), "left-out");
   EXPECT_FALSE(fs::exists(out("id_map.exr")));
   EXPECT_TRUE(fs::exists(out("atlas.ply")));
   const ShellOutcome kept = bake(Uv::kUnrolled, "--keep-all");
@@ -115,10 +119,71 @@ TEST_F(BiscaleRecipe, TextureCoordinatesThatAreAnAtlasAreTheIndex) {
   EXPECT_TRUE(fs::exists(out("id_map.exr")));
 }
 
+// 24 directions of views and lights, four columns of texels bright and four dark.
+formats::BtfInfo sampling() {
+  formats::BtfInfo info;
+  info.width = info.height = 8;
+  for (int i = 0; i < 24; ++i) info.lights.push_back({(i / 8) * 0.6 + 0.1, (i % 8) * 0.7853981634});
+  info.views = info.lights;
+  return info;
+}
+
+void writeMeasured(const fs::path& path, double view_share) {
+  const formats::BtfInfo info = sampling();
+  std::vector<float> values;
+  for (const formats::BtfDirection& view : info.views)
+    for (const formats::BtfDirection& light : info.lights)
+      for (int texel = 0; texel < 64; ++texel)
+        for (int c = 0; c < 3; ++c)
+          values.push_back(
+              static_cast<float>(std::cos(light.polar_rad) * (0.15 + 0.1 * ((texel % 8) < 4)) *
+                                 (1 + view_share * std::sin(view.polar_rad) * std::cos(view.azimuth_rad))));
+  formats::writeRawBtf(path, *formats::btfOf(info, std::move(values)));
+}
+
+// The driver has btf project it and rtt take it over; texels, views and values are the measured ones.
+TEST_F(BiscaleRecipe, MeasuredBtfOfAPatchIsProjectedAndPacked) {
+  fs::create_directories(folder_ / "tube");
+  writeMeasured(folder_ / "tube/felt.btf", 0.8);
+  const Json patch = {{"btf", {{"file", "felt.btf"}}}};
+  const ShellOutcome outcome = bake(Uv::kUnrolled, "", patch);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const formats::Pack pack = formats::readPack(out("tube.glb"));
+  const auto* rtt = pack.appearances.front().reflection.as<formats::RttReflection>();
+  ASSERT_NE(rtt, nullptr);
+  EXPECT_EQ(rtt->width, 8);
+  EXPECT_EQ(rtt->views, 8);
+  const auto textures = formats::readRadianceTransferTextures(out("rtt.exr"));
+  ASSERT_EQ(textures.size(), 1U);
+  // Under a uniform sky: π × the reflectance per steradian, of the bright and the dark half.
+  const double sky = 3.5449077;
+  double left = 0, right = 0;
+  for (int row = 0; row < 8; ++row)
+    for (int column = 0; column < 8; ++column) {
+      left += sky * textures[0].response(column, row, 1, 4)[0] / 64;
+      right += sky * textures[0].response(column, row, 6, 4)[0] / 64;
+    }
+  EXPECT_NEAR(left, 3.14159 * 0.25, 0.02);
+  EXPECT_NEAR(right, 3.14159 * 0.15, 0.02);
+  EXPECT_EQ(record().at("stages").at("btf").at("status"), "ran");
+
+  // Only what hangs on it is made again, and a patch that looks alike from everywhere has one view.
+  writeMeasured(folder_ / "tube/felt.btf", 0);
+  const ShellOutcome again = bake(Uv::kUnrolled, "", patch);
+  ASSERT_EQ(again.status, 0) << again.output;
+  EXPECT_EQ(record().at("stages").at("simplify").at("status"), "cached");
+  EXPECT_EQ(record().at("stages").at("btf").at("status"), "ran");
+  EXPECT_EQ(formats::readRadianceTransferTextures(out("rtt.exr")).front().views, 1);
+}
+
 TEST_F(BiscaleRecipe, SaysWhatIsWrongWithAPatch) {
   const ShellOutcome missing = bake(Uv::kNone, "", {{"file", "wool.exr"}});
   EXPECT_EQ(missing.status, 2);
   EXPECT_NE(missing.output.find("/material/patch/file"), std::string::npos) << missing.output;
+  std::ofstream(folder_ / "tube/felt.btf") << "!DFMF08FCR";
+  const ShellOutcome cut = bake(Uv::kNone, "", {{"btf", {{"file", "felt.btf"}}}});
+  EXPECT_EQ(cut.status, 2);
+  EXPECT_NE(cut.output.find("felt.btf"), std::string::npos) << cut.output;
   const ShellOutcome huge = bake(Uv::kNone, "", {{"file", "stones.exr"}, {"width", 1e-5}});
   EXPECT_EQ(huge.status, 2);
   EXPECT_NE(huge.output.find("stones.exr"), std::string::npos) << huge.output;

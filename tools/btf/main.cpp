@@ -3,14 +3,18 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "formats/btf_pictures.h"
 #include "formats/btf_writer.h"
 #include "formats/error.h"
+#include "formats/material.h"
 #include "formats/radiance_transfer_texture.h"
 #include "tools/btf/crop.h"
 #include "tools/btf/projection.h"
@@ -29,7 +33,7 @@ constexpr formats::Word<formats::BtfPictureColors> kColors[] = {
 constexpr formats::Word<bool> kPrecisions[] = {{"half", false}, {"float", true}};
 
 struct Options {
-  std::filesystem::path measured, rtt, written;
+  std::filesystem::path measured, material_file, rtt, written;
   formats::BtfPictureOptions pictures;
   btf::ProjectionOptions projection;
   btf::RewritingOptions rewriting;
@@ -42,7 +46,10 @@ struct Options {
 
 void declare(stage::Tool& tool, Options& options) {
   constexpr int kMostTexels = 65536;
-  tool.input("measured", "btf", options.measured, "A .btf file, or a folder or zip of pictures")
+  tool.input("measured", "btf", options.measured, "A .btf file, or a folder or zip of pictures", false)
+      .input("material_file", "material", options.material_file,
+             "Instead: each material's \"patch\" with a \"btf\" becomes a texture",
+             {.required = false, .parts = {"patch"}})
       .input("table", "table", options.pictures.table,
              "Directions of pictures whose names do not state them (JSON, CSV)", false)
       .output("rtt", "rtt", options.rtt, "The radiance transfer texture (EXR)", false)
@@ -109,38 +116,40 @@ std::shared_ptr<const formats::Btf> reduced(const std::shared_ptr<const formats:
   return result;
 }
 
-void describe(const formats::Btf& btf, stage::Run& run) {
+formats::Json describe(const formats::Btf& btf) {
   const formats::BtfInfo& info = btf.info();
   std::size_t pictures = 0;
   for (std::size_t v = 0; v < info.views.size(); ++v) pictures += btf.lightsOf(static_cast<int>(v)).size();
-  run.stat("layout", info.layout);
-  run.stat("views", info.views.size());
-  run.stat("lights", info.lights.size());
-  run.stat("pictures", pictures);
-  run.stat("missing_pictures", info.views.size() * info.lights.size() - pictures);
-  run.stat("width_texels", info.width);
-  run.stat("height_texels", info.height);
-  run.stat("cosine_inside", info.cosine_inside);
-  run.stat("file_bytes", info.bytes);
-  run.stat("expanded_bytes", 12.0 * static_cast<double>(pictures) * static_cast<double>(btf.texelCount()));
+  return {{"layout", info.layout},
+          {"views", info.views.size()},
+          {"lights", info.lights.size()},
+          {"pictures", pictures},
+          {"missing_pictures", info.views.size() * info.lights.size() - pictures},
+          {"width_texels", info.width},
+          {"height_texels", info.height},
+          {"cosine_inside", info.cosine_inside},
+          {"file_bytes", info.bytes},
+          {"expanded_bytes", 12.0 * static_cast<double>(pictures) * static_cast<double>(btf.texelCount())}};
 }
 
-void projectTexture(const formats::Btf& btf, const Options& options, stage::Run& run) {
+struct NamedTexture {
+  formats::RadianceTransferTexture texture;
+  formats::Json stats;
+};
+
+NamedTexture projectTexture(const formats::Btf& btf, const Options& options, stage::Run& run) {
   stage::Progress progress = run.progress("projecting", btf.info().views.size(), "views");
   btf::Projected projected = btf::project(btf, options.projection, [&] { progress.advance(); });
   projected.texture.material = options.material;
-  formats::writeRadianceTransferTextures(
-      options.rtt, std::span(&projected.texture, 1),
-      options.is_float ? formats::ExrPrecision::kFloat : formats::ExrPrecision::kHalf);
   const btf::ProjectionFigures& figures = projected.figures;
-  run.stat("scale", options.projection.scale);
-  run.stat("interpolated_jointly", figures.is_joint);
-  run.stat("views_left_out", figures.views_left_out);
-  run.stat("view_gap_deg", figures.view_gap_deg);
-  run.stat("light_gap_deg", figures.light_gap_deg);
-  run.stat("mean_radiance_under_uniform_sky", figures.mean_radiance);
-  run.stat("largest_view_radiance_under_uniform_sky", figures.largest_view_radiance);
-  run.stat("view_dependence", figures.view_dependence);
+  formats::Json stats = {{"scale", options.projection.scale},
+                         {"interpolated_jointly", figures.is_joint},
+                         {"views_left_out", figures.views_left_out},
+                         {"view_gap_deg", figures.view_gap_deg},
+                         {"light_gap_deg", figures.light_gap_deg},
+                         {"mean_radiance_under_uniform_sky", figures.mean_radiance},
+                         {"largest_view_radiance_under_uniform_sky", figures.largest_view_radiance},
+                         {"view_dependence", figures.view_dependence}};
   constexpr double kWide_deg = 45;
   if (std::max(figures.view_gap_deg, figures.light_gap_deg) > kWide_deg)
     run.warn("directions leave gaps of " + std::to_string(figures.view_gap_deg) + "° (views) and " +
@@ -151,6 +160,16 @@ void projectTexture(const formats::Btf& btf, const Options& options, stage::Run&
   if (figures.largest_view_radiance > 1 + 1e-3)
     run.warn("under a sky of 1 it reflects " + std::to_string(figures.largest_view_radiance) +
              " towards a view, more than it receives: scale or cosine may be meant otherwise");
+  return {std::move(projected.texture), std::move(stats)};
+}
+
+void writeTextures(const Options& options, std::span<const formats::RadianceTransferTexture> textures) {
+  formats::writeRadianceTransferTextures(
+      options.rtt, textures, options.is_float ? formats::ExrPrecision::kFloat : formats::ExrPrecision::kHalf);
+}
+
+void tell(const formats::Json& stats, stage::Run& run) {
+  for (const auto& [name, value] : stats.items()) run.stat(name, value);
 }
 
 void rewrite(const formats::Btf& btf, Options& options, stage::Run& run) {
@@ -168,6 +187,52 @@ void rewrite(const formats::Btf& btf, Options& options, stage::Run& run) {
              " negative values are written as 0: the colour model has none");
 }
 
+void runOne(Options& options, stage::Run& run) {
+  const std::shared_ptr<const formats::Btf> measured = opened(options, run);
+  tell(describe(*measured), run);
+  const std::shared_ptr<const formats::Btf> kept = reduced(measured, options, run);
+  if (!options.rtt.empty()) {
+    const NamedTexture made = projectTexture(*kept, options, run);
+    writeTextures(options, std::span(&made.texture, 1));
+    tell(made.stats, run);
+  }
+  if (!options.written.empty()) rewrite(*kept, options, run);
+}
+
+// Each patch that is a measured BTF; none is no mistake, as recipes ask how many there are.
+void runMaterials(Options& options, stage::Run& run) {
+  if (!options.written.empty())
+    throw Error(ExitStatus::kUsage, {"", "--written", ""}, "a material's BTFs are not written again", "",
+                "name one BTF by --measured");
+  const formats::Materials materials = formats::readMaterials(options.material_file);
+  std::vector<formats::RadianceTransferTexture> textures;
+  formats::Json stats = formats::Json::array();
+  double view_dependence = 0;
+  const auto take = [&](const std::string& name, const formats::Material& material) {
+    if (!material.patch || material.patch->btf.empty()) return;
+    options.measured = material.patch->btf, options.material = name;
+    const std::shared_ptr<const formats::Btf> measured = opened(options, run);
+    NamedTexture made = projectTexture(*reduced(measured, options, run), options, run);
+    formats::Json told = describe(*measured);
+    told.update(made.stats);
+    told["material"] = name;
+    view_dependence = std::max(view_dependence, told.at("view_dependence").get<double>());
+    stats.push_back(std::move(told));
+    textures.push_back(std::move(made.texture));
+  };
+  take("", materials.base);
+  for (const auto& [name, material] : materials.by_name) take(name, material);
+  if (!options.rtt.empty()) {
+    if (textures.empty())
+      throw badInput({options.material_file.string(), "", "/patch"}, "no material's patch is a measured BTF",
+                     "a \"patch\" with a \"btf\"");
+    writeTextures(options, textures);
+  }
+  run.stat("patches", textures.size());
+  run.stat("view_dependence", view_dependence);
+  run.stat("textures", std::move(stats));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -177,10 +242,13 @@ int main(int argc, char** argv) {
       "Reads a measured BTF, projects it to a radiance transfer texture and writes it as a .btf file.");
   declare(tool, options);
   return tool.run(argc, argv, [&](stage::Run& run) {
-    const std::shared_ptr<const formats::Btf> measured = opened(options, run);
-    describe(*measured, run);
-    const std::shared_ptr<const formats::Btf> kept = reduced(measured, options, run);
-    if (!options.rtt.empty()) projectTexture(*kept, options, run);
-    if (!options.written.empty()) rewrite(*kept, options, run);
+    if (options.measured.empty() == options.material_file.empty())
+      throw Error(ExitStatus::kUsage, {"", "--measured", ""},
+                  "either a BTF or a material whose patches name some is read",
+                  "--measured FILE or --material-file FILE");
+    if (options.material_file.empty())
+      runOne(options, run);
+    else
+      runMaterials(options, run);
   });
 }

@@ -63,10 +63,29 @@ formats::Json toJson(const std::string& name, const rtt::Rtt& made) {
   return json;
 }
 
+// Of the material in the file that btf made of the measured ones.
+formats::RadianceTransferTexture measuredTexture(const NamedMaterial& each,
+                                                 const std::filesystem::path& file) {
+  const std::string whose = each.name.empty() ? "the asset's own material" : "\"" + each.name + "\"";
+  if (file.empty())
+    throw badInput({each.material->patch->btf.string(), "", "/patch/btf"},
+                   "the patch of " + whose + " is a measured BTF, which btf projects",
+                   "its texture (measured)",
+                   "run btf --material-file first, and give rtt what it wrote; the recipe biscale does");
+  for (formats::RadianceTransferTexture& texture : formats::readRadianceTransferTextures(file))
+    if (texture.material == each.name) return std::move(texture);
+  throw badInput({file.string(), "", ""}, "it has no texture of " + whose, "one for each measured patch",
+                 "make it by btf --material-file of the same material");
+}
+
 // As its file has it, but for the name.
-formats::RadianceTransferTexture readyMade(const NamedMaterial& each, const rtt::Options& options) {
-  const std::filesystem::path& file = each.material->patch->rtt;
-  formats::RadianceTransferTexture texture = std::move(formats::readRadianceTransferTextures(file).front());
+formats::RadianceTransferTexture readyMade(const NamedMaterial& each, const std::filesystem::path& measured,
+                                           const rtt::Options& options) {
+  const formats::Patch& patch = *each.material->patch;
+  const std::filesystem::path& file = patch.rtt.empty() ? measured : patch.rtt;
+  formats::RadianceTransferTexture texture =
+      patch.rtt.empty() ? measuredTexture(each, measured)
+                        : std::move(formats::readRadianceTransferTextures(file).front());
   if (texture.order != options.order)
     throw badInput({file.string(), "order", ""}, "it has " + std::to_string(texture.order) + " bands",
                    std::to_string(options.order) + ", as the textures beside it",
@@ -125,7 +144,7 @@ void warnOf(const NamedMaterial& each, const rtt::Figures& figures, const rtt::O
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::filesystem::path material_path, rtt_path;
+  std::filesystem::path material_path, measured_path, rtt_path;
   rtt::Options options;
   std::optional<double> bounces;
   rtt::BtfOutput btf;
@@ -136,6 +155,8 @@ int main(int argc, char** argv) {
   tool.input("material", "material", material_path,
              "Each material's \"patch\" that has a surface (\"height\" or \"geometry\") is rendered",
              {.required = true, .parts = {"albedo", "reflection", "patch"}})
+      .input("measured", "rtt", measured_path, "What btf made of the materials whose patch is a measured BTF",
+             false)
       .output("rtt", "rtt", rtt_path, "EXR: a radiance transfer texture for each such material", false)
       .parameter("resolution", options.resolution, {1, 2048}, "texels", "Of a texture, across")
       .parameter(
@@ -170,7 +191,7 @@ int main(int argc, char** argv) {
     const std::vector<NamedMaterial> named = withPatches(materials);
     if (named.empty())
       throw badInput({material_path.string(), "", "/patch"}, "no material has a patch",
-                     "a \"patch\" with \"height\", \"geometry\", \"file\" or \"rtt\"",
+                     "a \"patch\" with \"height\", \"geometry\", \"file\", \"btf\" or \"rtt\"",
                      "add one to a material's \"patch\"");
     if (!btf.path.empty()) requireOnePatch(named, material_path);
     stage::Progress progress =
@@ -182,10 +203,11 @@ int main(int argc, char** argv) {
     std::uint64_t rays = 0;
     double view_dependence = 0;
     for (const NamedMaterial& each : named) {
-      if (!each.material->patch->rtt.empty()) {
-        textures.push_back(readyMade(each, options));
+      if (const formats::Patch& patch = *each.material->patch; !patch.hasSurface()) {
+        textures.push_back(readyMade(each, measured_path, options));
         progress.advance(options.views * options.views);
-        stats.push_back({{"material", each.name}, {"file", each.material->patch->rtt.string()}});
+        stats.push_back(
+            {{"material", each.name}, {"file", (patch.rtt.empty() ? patch.btf : patch.rtt).string()}});
         view_dependence = std::max(view_dependence, rtt::viewDependence(textures.back()).from_head_on);
         continue;
       }

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+#include <set>
+
 #include "tests/unit/pipeline/fakes.h"
 
 namespace bakelight::pipeline {
@@ -47,6 +50,23 @@ void expectCounted(FakeDisk& disk, const char* path, const std::vector<const cha
   for (const char* other : others) {
     disk.write(other, "changed");
     EXPECT_EQ(hashOf(disk, path), last) << other;
+  }
+}
+
+TEST(Companions, LibrariesOfAPatchsMeshBelongToItsMaterial) {
+  FakeDisk disk;
+  const formats::Json material = {{"material", {{"patch", {{"geometry", {{"file", "weave.obj"}}}}}}}};
+  const auto hash = [&] {
+    Memo memo("memo.json", disk);
+    return hashWithNamedFiles(material, disk, memo);
+  };
+  disk.write("weave.obj", "mtllib yarn.mtl\nusemtl a\n");
+  disk.write("yarn.mtl", "newmtl a\nKd 1 0 0\nmap_Kd wool.png\n");
+  std::set<std::string> hashes = {hash()};
+  EXPECT_EQ(hash(), *hashes.begin());
+  for (const char* changed : {"weave.obj", "yarn.mtl", "wool.png"}) {
+    disk.write(changed, disk.isFile(changed) ? disk.read(changed) + " " : "new");
+    EXPECT_TRUE(hashes.insert(hash()).second) << changed;
   }
 }
 
