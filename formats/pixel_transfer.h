@@ -1,0 +1,46 @@
+// Transfer in a pixel basis (all-frequency bi-scale radiance transfer, IV.A): per vertex a sparse matrix from the texels of a
+// cube map of light to the cells of the hemisphere over the vertex, as integers.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace bakelight::formats {
+
+// Sizes that codes of 8 bits and columns of 16 bits can hold.
+inline constexpr int kMostCubeSide = 104, kMostLocalSide = 32, kMostSubsamples = 15;
+
+// A view: rows of integers, ascending columns. Row v · local_side² + j is cell j (row by row, transport/hemisphere_grid.h) of vertex v;
+// column (face · cube_side + y) · cube_side + x a texel of the cube map (transport/cube_map.h).
+struct PixelCodes {
+  int cube_side = 32, local_side = 8, subsamples = 2;
+  std::span<const std::uint64_t> row_offsets;  // rows + 1
+  std::span<const std::uint16_t> columns;
+  std::span<const std::uint8_t> codes;  // 1 … subsamples²: of the texel's subsamples, how many are seen
+
+  std::size_t rowCount() const { return row_offsets.empty() ? 0 : row_offsets.size() - 1; }
+  std::size_t columnCount() const { return 6 * static_cast<std::size_t>(cube_side) * cube_side; }
+};
+
+// What a view may look at.
+struct PixelRows {
+  int cube_side = 32, local_side = 8, subsamples = 2;
+  std::vector<std::uint64_t> row_offsets = {0};
+  std::vector<std::uint16_t> columns;
+  std::vector<std::uint8_t> codes;
+
+  PixelCodes view() const { return {cube_side, local_side, subsamples, row_offsets, columns, codes}; }
+  // The rows of `next` behind these; sizes must be the same.
+  void append(const PixelRows& next) {
+    const std::uint64_t before = row_offsets.back();
+    row_offsets.reserve(row_offsets.size() + next.row_offsets.size() - 1);
+    for (std::size_t row = 1; row < next.row_offsets.size(); ++row)
+      row_offsets.push_back(before + next.row_offsets[row]);
+    columns.insert(columns.end(), next.columns.begin(), next.columns.end());
+    codes.insert(codes.end(), next.codes.begin(), next.codes.end());
+  }
+};
+
+}  // namespace bakelight::formats
