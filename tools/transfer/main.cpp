@@ -7,11 +7,20 @@
 #include "formats/tensors.h"
 #include "tools/stage/stage.h"
 #include "tools/transfer/open_horizon.h"
+#include "tools/transfer/pixel_file.h"
 #include "tools/transfer/transfer.h"
 #include "tools/transfer/transfer_file.h"
 #include "transport/ray_scene.h"
 
 using namespace bakelight;
+
+namespace {
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   std::filesystem::path mesh_path, material_path, frames_path, rtt_path, transfer_path;
@@ -32,7 +41,17 @@ int main(int argc, char** argv) {
       .output("transfer", "tensors", transfer_path, "safetensors file for pack (docs/FORMATS.md)")
       .executionPath(transport::RayScene::executionPath);
 
+  const auto bakePixels = [&](stage::Run& run) {
+    transfer::PixelOptions options = transfer::pixelOptions(settings);
+    const formats::TriangleMesh mesh = transfer::readBakeableMesh(mesh_path);
+    options.tangents = transfer::localFrames(mesh, settings.frames, frames_path, mesh_path.string(), run);
+    const auto start = std::chrono::steady_clock::now();
+    stage::Progress progress = run.progress("transfer", mesh.vertexCount(), "vertices");
+    const auto figures = transfer::writePixelTransfer(transfer_path, mesh, options, progress);
+    transfer::report(options, figures, secondsSince(start), run);
+  };
   return tool.run(argc, argv, [&](stage::Run& run) {
+    if (settings.basis == transfer::Basis::kPixel) return bakePixels(run);
     transfer::TransferOptions options = transfer::bakeOptions(settings);
     const formats::TriangleMesh mesh = transfer::readBakeableMesh(mesh_path);
     if (settings.isGlossy())
@@ -62,7 +81,7 @@ int main(int argc, char** argv) {
       cpca = transfer::clusteredPca(baked.matrices, baked.matrices.size() / mesh.vertexCount(), settings.cpca,
                                     [&] { progress.advance(); });
     }
-    const double bake_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double bake_s = secondsSince(start);
 
     transfer::writeTransfer(transfer_path, mesh, settings, albedo, baked, cpca);
     transfer::report(mesh, settings, baked, cpca, bake_s, run);

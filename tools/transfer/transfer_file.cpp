@@ -17,6 +17,7 @@ using formats::Float3;
 
 namespace {
 
+constexpr formats::Word<Basis> kBases[] = {{"sh", Basis::kSh}, {"pixel", Basis::kPixel}};
 constexpr formats::Word<Technique> kTechniques[] = {{"diffuse", Technique::kDiffuse},
                                                     {"glossy", Technique::kGlossy}};
 constexpr formats::Word<Storage> kStorages[] = {
@@ -90,7 +91,17 @@ void addGlossy(const TransferSettings& settings, const Transfer& baked, const st
 
 void declare(stage::Tool& tool, TransferSettings& settings) {
   TransferOptions& options = settings.options;
-  tool.parameter("technique", settings.technique, kTechniques,
+  tool.parameter(
+          "basis", settings.basis, kBases,
+          "What light is given in: spherical harmonics, soft light and bounces; or the texels of a cube map, "
+          "light and shadows as sharp as these, without bounces")
+      .parameter("cube_side", settings.pixel.cube_side, {1, formats::kMostCubeSide}, "texels",
+                 "Pixel: along an edge of the light's cube map")
+      .parameter("local_side", settings.pixel.local_side, {1, formats::kMostLocalSide}, "cells",
+                 "Pixel: along an edge of the grid over a vertex's hemisphere, as its BTF has them")
+      .parameter("subsamples", settings.pixel.subsamples, {1, formats::kMostSubsamples}, "rays",
+                 "Pixel: a texel, along an edge")
+      .parameter("technique", settings.technique, kTechniques,
                  "Transfer vectors only, or transfer matrices too, for glossy reflection at run time")
       .parameter("transport", options.transport, kTransports,
                  "Whether the object shadows itself and light bounces between its parts; unshadowed is exact "
@@ -103,10 +114,10 @@ void declare(stage::Tool& tool, TransferSettings& settings) {
           "storage", settings.storage, kStorages,
           "Glossy: full matrices, visibility vectors (smallest; not with interreflection), or clustered "
           "principal components")
-      .parameter(
-          "frame", settings.frames, kFrameSources,
-          "Glossy: whether vertices' frames follow texture coordinates, as patches need it that are laid "
-          "out by them, or are any")
+      .parameter("frame", settings.frames, kFrameSources,
+                 "Glossy, pixel: whether vertices' frames follow texture coordinates, as patches need it "
+                 "that are laid "
+                 "out by them, or are any")
       .parameter("horizon", settings.horizon, kHorizons,
                  "Glossy: whether light from below a vertex's own tangent plane is cut off, as lobes need "
                  "it, or passes, "

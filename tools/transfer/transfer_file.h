@@ -9,6 +9,7 @@
 
 #include "tools/stage/stage.h"
 #include "tools/transfer/cpca.h"
+#include "tools/transfer/pixel_transfer.h"
 #include "tools/transfer/transfer.h"
 
 namespace bakelight::transfer {
@@ -19,12 +20,16 @@ enum class FrameSource { kNormals, kTexcoords };
 // Of matrices: whether they cut light off at each vertex's own tangent plane.
 enum class Horizon { kCut, kOpen };
 
+// What light is given in: spherical harmonics, or the texels of a cube map.
+enum class Basis { kSh, kPixel };
+
 // Whether there are transfer matrices beside the vectors, and how they are represented.
 enum class Technique { kDiffuse, kGlossy };
 enum class Storage { kMatrix, kVisibility, kCpca };
 
 // The parameters as a user gives them; those of `options` that follow from others are filled in by bakeOptions.
 struct TransferSettings {
+  Basis basis = Basis::kSh;
   Technique technique = Technique::kDiffuse;
   Storage storage = Storage::kMatrix;  // of glossy transfer
   FrameSource frames = FrameSource::kNormals;
@@ -33,6 +38,7 @@ struct TransferSettings {
   double sphere_radius = 2;
   TransferOptions options;
   CpcaOptions cpca;
+  PixelOptions pixel;
 
   bool isGlossy() const { return technique == Technique::kGlossy; }
 };
