@@ -274,6 +274,10 @@ std::vector<float> flattened(const std::vector<Vector>& vectors) {
   return values;
 }
 
+std::size_t firstDifference(const SharedBytes& a, const SharedBytes& b) {
+  return static_cast<std::size_t>(std::mismatch(a.begin(), a.end(), b.begin()).first - a.begin());
+}
+
 // Fields of the same name; whoever has one that the other lacks differs.
 void compareParts(Comparison& comparison, const std::string& name, const PackPart& part,
                   const PackPart& reference, const CompareLimits& limits) {
@@ -291,6 +295,10 @@ void compareParts(Comparison& comparison, const std::string& name, const PackPar
       agree(comparison, label, fields[i].plain, expected[i].plain);
     } else if (fields[i].table != nullptr) {
       compareTables(comparison, label, *fields[i].table, *expected[i].table, limits);
+    } else if (fields[i].integers != nullptr) {
+      const SharedBytes &mine = fields[i].integers->data, &theirs = expected[i].integers->data;
+      if (agree(comparison, label + ", bytes", mine.size(), theirs.size()))
+        agree(comparison, label + ", first byte that differs", firstDifference(mine, theirs), mine.size());
     } else {
       compareLists(comparison, label, fields[i].values, expected[i].values, limits);
     }

@@ -18,7 +18,14 @@ class Collector final : public FieldVisitor {
     fields_.push_back({prefix_ + name, {}, &table});
   }
   void floats(const char* name, std::vector<float>& values, std::size_t) override {
-    fields_.push_back({prefix_ + name, {}, nullptr, values});
+    FieldValue& field = fields_.emplace_back();
+    field.name = prefix_ + name;
+    field.values = values;
+  }
+  void integers(const char* name, IntegerArray& values, std::size_t) override {
+    FieldValue& field = fields_.emplace_back();
+    field.name = prefix_ + name;
+    field.integers = &values;
   }
   void indices(const char* name, std::vector<std::uint32_t>& values, std::size_t) override {
     add(name, values);
@@ -26,7 +33,9 @@ class Collector final : public FieldVisitor {
   void tangents(const char* name, std::vector<Float4>& values) override {
     std::vector<float> components;
     for (const Float4& t : values) components.insert(components.end(), t.begin(), t.end());
-    fields_.push_back({prefix_ + name, {}, nullptr, std::move(components)});
+    FieldValue& field = fields_.emplace_back();
+    field.name = prefix_ + name;
+    field.values = std::move(components);
   }
   void image(const char* name, PackImage& image) override {
     add((std::string(name) + ".size").c_str(), Json{image.width, image.height});

@@ -16,6 +16,7 @@ struct FieldValue {
   std::string name;  // "nearField.radius"
   Json plain = {};   // a number, text, list of numbers or of indices; null for what follows
   const EncodedTable* table = nullptr;
+  const IntegerArray* integers = nullptr;
   std::vector<float> values = {};  // floats, or the components of tangents
   bool isPlain() const { return !plain.is_null(); }
 };

@@ -11,6 +11,10 @@ std::string shortText(double value) {
 
 }  // namespace
 
+const char* nameOfIntegers(std::size_t width) {
+  return width == 1 ? "uint8" : width == 2 ? "uint16" : "uint32";
+}
+
 std::string textOf(const Range& range) {
   const Range any;
   if (range.least == any.least && range.greatest == any.greatest) return "a finite number";

@@ -12,6 +12,7 @@
 
 #include "formats/encoded_table.h"
 #include "formats/pack_image.h"
+#include "formats/shared_bytes.h"
 #include "formats/triangle_mesh.h"
 #include "formats/words.h"
 
@@ -25,11 +26,20 @@ struct Range {
   // False for NaN, too.
   bool holds(double value) const { return (above ? value > least : value >= least) && value <= greatest; }
 };
-std::string textOf(const Range& range);  // "0 to 1", "above 0", "0 or more", "a finite number"
+const char* nameOfIntegers(std::size_t width);  // "uint8", "uint16", "uint32"
+std::string textOf(const Range& range);         // "0 to 1", "above 0", "0 or more", "a finite number"
 
 // What the rows of a table or list belong to: with one a vertex they follow the vertices when these are
 // reordered, and must be as many.
 enum class Rows { kVertex, kOther };
+
+// Unsigned integers as they are stored, little-endian.
+struct IntegerArray {
+  std::size_t width = 1;  // bytes of each: 1, 2 or 4
+  SharedBytes data;
+
+  std::size_t count() const { return data.size() / width; }
+};
 
 // Names are the keys in the pack's JSON, and of the sections that hold bytes. Values are read and written:
 // a visitor that only looks leaves them as they are. A field's shape may depend on fields before it.
@@ -49,6 +59,8 @@ class FieldVisitor {
   virtual void table(const char* name, EncodedTable& table, Rows rows, std::size_t columns) = 0;
   // `count` finite values.
   virtual void floats(const char* name, std::vector<float>& values, std::size_t count) = 0;
+  // `count` of them, of the width that the array has; nothing of a vertex.
+  virtual void integers(const char* name, IntegerArray& values, std::size_t count) = 0;
   // One a vertex, each below `end`; stored in 1, 2 or 4 bytes, as `end` asks for.
   virtual void indices(const char* name, std::vector<std::uint32_t>& values, std::size_t end) = 0;
   // glTF's TANGENT: one a vertex, unit, at right angles to the normal; w = 1 or −1.

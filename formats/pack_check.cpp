@@ -76,6 +76,11 @@ class FieldChecker final : public FieldVisitor {
       if (!std::isfinite(values[i]))
         throw error(element, "value " + std::to_string(i) + " is not finite", "a number");
   }
+  void integers(const char* name, IntegerArray& values, std::size_t count) override {
+    if (values.data.size() != count * values.width)
+      throw error(std::string("section ") + name, "it has " + std::to_string(values.data.size()) + " bytes",
+                  std::to_string(count) + " integers of " + std::to_string(values.width) + " bytes");
+  }
   void indices(const char* name, std::vector<std::uint32_t>& values, std::size_t end) override {
     const std::string element = std::string("section ") + name;
     checkCount(element, values.size());

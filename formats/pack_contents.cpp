@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "formats/btf_reflection.h"
+#include "formats/pixel_transfer.h"
 #include "formats/rtt_reflection.h"
 
 namespace bakelight::formats {
@@ -74,6 +76,7 @@ class VertexPermuter final : public FieldVisitor {
   void vector(const char*, Float3&, const Range&) override {}
   void choice(const char*, int&, std::span<const char* const>) override {}
   void floats(const char*, std::vector<float>&, std::size_t) override {}
+  void integers(const char*, IntegerArray&, std::size_t) override {}
   void image(const char*, PackImage&) override {}
   void close() override {}
   void require(bool, const char*, const std::string&, const std::string&, const std::string&) override {}
@@ -161,14 +164,14 @@ void BrdfTable::describe(FieldVisitor& fields) {
 }
 
 PackPartKinds& transferKinds() {
-  static PackPartKinds kinds = {PackPartKind::of<ShTransfer>()};
+  static PackPartKinds kinds = {PackPartKind::of<ShTransfer>(), PackPartKind::of<PixelTransfer>()};
   return kinds;
 }
 
 PackPartKinds& reflectionKinds() {
   static PackPartKinds kinds = {PackPartKind::of<LambertReflection>(), PackPartKind::of<PhongLobe>(),
-                                PackPartKind::of<GgxLobe>(), PackPartKind::of<BrdfTable>(),
-                                PackPartKind::of<RttReflection>()};
+                                PackPartKind::of<GgxLobe>(),           PackPartKind::of<BrdfTable>(),
+                                PackPartKind::of<RttReflection>(),     PackPartKind::of<BtfReflection>()};
   return kinds;
 }
 

@@ -132,8 +132,8 @@ struct Appearance {
 // ---- the pack
 
 // Kinds of parts that packs are read with. A technique adds its own here, or at the program's start.
-PackPartKinds& transferKinds();    // "sh"
-PackPartKinds& reflectionKinds();  // "lambert", "phong", "ggx", "table"
+PackPartKinds& transferKinds();    // "sh", "pixel"
+PackPartKinds& reflectionKinds();  // "lambert", "phong", "ggx", "table", "radiance_transfer_texture", "btf"
 
 struct Pack {
   std::string name;  // of the asset

@@ -43,6 +43,12 @@ class FieldReader final : public FieldVisitor, private PackReading {
     require(at(name) + "/type", "float32");
     values = readValues<float>(at(name) + "/bufferView", glb_.unsignedAt(at(name) + "/shape/0"));
   }
+  void integers(const char* name, IntegerArray& values, std::size_t) override {
+    require(at(name) + "/type", nameOfIntegers(values.width));
+    const std::uint64_t count = glb_.unsignedAt(at(name) + "/shape/0");
+    values.data = glb_.shared(sectionOfSize(at(name) + "/bufferView", checkedProduct({count, values.width}),
+                                            std::to_string(count) + " integers"));
+  }
   void indices(const char* name, std::vector<std::uint32_t>& values, std::size_t) override {
     const std::string type = glb_.textAt(at(name) + "/type"), view = at(name) + "/bufferView";
     const std::uint64_t count = glb_.unsignedAt(at(name) + "/shape/0");

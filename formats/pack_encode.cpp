@@ -9,6 +9,7 @@
 #include "formats/draco_mesh.h"
 #include "formats/pack_check.h"
 #include "formats/pack_layout.h"
+#include "formats/pixel_transfer.h"
 
 namespace bakelight::formats {
 namespace {
@@ -76,6 +77,10 @@ class FieldWriter final : public FieldVisitor {
   }
   void floats(const char* name, std::vector<float>& values, std::size_t) override {
     top()[name] = array("float32", {values.size()}, section(name, bytesOf(values)));
+  }
+  void integers(const char* name, IntegerArray& values, std::size_t) override {
+    top()[name] = array(nameOfIntegers(values.width), {values.count()},
+                        section(name, std::span(values.data.data(), values.data.size())));
   }
   void indices(const char* name, std::vector<std::uint32_t>& values, std::size_t end) override {
     if (end <= 1U << 8) return narrow<std::uint8_t>(name, values, "uint8");
@@ -328,6 +333,8 @@ Bytes encodeWithDraco(const Pack& pack, const PackOptions& options, const std::s
     }
   if (auto* sh = reordered.transfer.as<ShTransfer>(); sh != nullptr && sh->glossy && options.normal_bits > 0)
     turnTowardsNormals(sh->glossy->tangents, reordered.mesh.normals);
+  if (auto* pixel = reordered.transfer.as<PixelTransfer>(); pixel != nullptr && options.normal_bits > 0)
+    turnTowardsNormals(pixel->tangents, reordered.mesh.normals);
   return PackEncoder(reordered, primitives).encode(file);
 }
 

@@ -7,6 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "formats/fields.h"
+#include "formats/triangle_mesh.h"
+
 namespace bakelight::formats {
 
 // Sizes that codes of 8 bits and columns of 16 bits can hold.
@@ -42,5 +45,38 @@ struct PixelRows {
     codes.insert(codes.end(), next.codes.begin(), next.codes.end());
   }
 };
+
+// Transfer in a pixel basis as a pack's transfer: compressed sparse rows.
+struct PixelTransfer {
+  static constexpr const char* kKind = "pixel";
+  void describe(FieldVisitor& fields);
+
+  int cube_side = 32, local_side = 8, subsamples = 2;
+  // Degrees: where the frames of a triangle's corners differ by more, or by their handedness, nothing is interpolated between
+  // them, and the nearest corner counts: incident light in one frame is none in another.
+  float crease_angle = 60;
+  std::vector<Float4> tangents;  // of the vertices' frames
+  // Rows come by blocks of local_side²; which block is a vertex's, so that copies of vertices share one and nothing moves with them.
+  std::vector<std::uint32_t> blocks;
+  IntegerArray row_lengths{2, {}};            // blocks · local_side²: entries of each row
+  IntegerArray columns{2, {}}, codes{1, {}};  // as PixelCodes
+
+  std::size_t cells() const { return static_cast<std::size_t>(local_side) * local_side; }
+  std::size_t blockCount() const { return row_lengths.count() / cells(); }
+};
+
+// The rows of all blocks. Shares the bytes of columns and codes. Throws std::invalid_argument if sizes do not fit.
+class PixelTransferRows {
+ public:
+  explicit PixelTransferRows(const PixelTransfer& transfer);
+  PixelCodes view() const;
+
+ private:
+  PixelTransfer transfer_;  // without tangents and blocks
+  std::vector<std::uint64_t> row_offsets_;
+};
+
+// A block a vertex. Throws std::invalid_argument unless there are as many tangents.
+PixelTransfer pixelTransferOf(const PixelCodes& codes, std::vector<Float4> tangents);
 
 }  // namespace bakelight::formats

@@ -84,14 +84,17 @@ BiScaleShading::BiScaleShading(const formats::Pack& pack)
   const int output_order = pack.sh().glossy->output_order;
   if (tangents_.size() != mesh_.vertexCount() || mesh_.normals.size() != mesh_.vertexCount())
     throw std::invalid_argument("bi-scale shading needs a normal and a tangent for each vertex");
-  const std::vector<const PackImage*> indices = formats::rttIndices(pack);
+  const std::vector<const PackImage*> indices = formats::patchIndices(pack);
   for (std::size_t i = 0; i < ranges_.size(); ++i) {
     const formats::Appearance& appearance = pack.appearances[i];
     const auto* rtt = appearance.reflection.as<RttReflection>();
-    patches_.emplace_back(rtt == nullptr ? flatReflection(output_order) : *rtt,
-                          rtt == nullptr ? nullptr : indices[i]);
-    const RttReflection& reflection = patches_.back().reflection();
-    components_ = std::max(components_, static_cast<std::size_t>(reflection.components));
+    const RttReflection reflection = rtt == nullptr ? flatReflection(output_order) : *rtt;
+    if (reflection.basis.size() !=
+        3 * static_cast<std::size_t>(reflection.components) * coefficientCount(reflection.order))
+      throw std::invalid_argument("the basis of a radiance transfer texture does not fit its order");
+    tables_.emplace_back(reflection, rtt == nullptr ? nullptr : indices[i]);
+    bases_.push_back({reflection.order, reflection.basis});
+    components_ = std::max(components_, tables_.back().componentCount());
     if (reflection.order > output_order)
       throw std::invalid_argument("a radiance transfer texture has more bands than the transferred radiance");
     if (rtt != nullptr) {
@@ -126,15 +129,15 @@ void BiScaleShading::setLight(std::span<const Float3> distant, std::span<const F
 
 void BiScaleShading::project(std::span<const Float3> transferred) {
   for (std::size_t a = 0; a < ranges_.size(); ++a) {
-    const RttReflection& reflection = patches_[a].reflection();
-    const std::size_t count = coefficientCount(reflection.order);
+    const Basis& bases = bases_[a];
+    const std::size_t count = coefficientCount(bases.order);
     tbb::parallel_for(ranges_[a].first, ranges_[a].end, [&](std::size_t v) {
       std::span<const Float3> incident = transferred.subspan(v * rows_, rows_);
       std::vector<Float3> turned;
       if (!local_from_object_.empty()) incident = turned = local_from_object_[v].apply(incident);
-      for (int k = 0; k < reflection.components; ++k) {
-        const float* basis = reflection.basisOf(k);
-        Float3& sum = projected_[v * components_ + static_cast<std::size_t>(k)];
+      for (std::size_t k = 0; k < tables_[a].componentCount(); ++k) {
+        const float* basis = &bases.values[k * 3 * count];
+        Float3& sum = projected_[v * components_ + k];
         for (std::size_t c = 0; c < 3; ++c) {
           double product = 0;
           for (std::size_t i = 0; i < count; ++i) product += double{basis[c * count + i]} * incident[i][c];
@@ -182,16 +185,15 @@ BiScaleShading::Surface BiScaleShading::surfaceAt(const SurfaceHit& hit) const {
 
 Float3 BiScaleShading::radianceAt(const SurfaceHit& hit) const {
   const Surface at = surfaceAt(hit);
-  const RttTable& patch = patches_[at.appearance];
-  const RttReflection& reflection = patch.reflection();
-  const RttLevels levels = rttLevelsAt(rttLevelOf(at.distance, view_.pixel_angle, at.to_eye.z(),
-                                                  double{reflection.patch_width} / reflection.width),
-                                       patch.levels().size());
+  const PatchTable& patch = tables_[at.appearance];
+  const RttLevels levels =
+      rttLevelsAt(rttLevelOf(at.distance, view_.pixel_angle, at.to_eye.z(), double{patch.texelWidth()}),
+                  patch.levels().size());
   std::array<float, 3 * formats::kMaxOrder * formats::kMaxOrder> buffer;
-  const std::span<float> factors = std::span(buffer).first(static_cast<std::size_t>(reflection.components));
+  const std::span<float> factors = std::span(buffer).first(patch.componentCount());
   std::fill(factors.begin(), factors.end(), 0.0F);
   const formats::RttLevel& fine = patch.levels()[levels.fine];
-  for (const RttTable::View& view : patch.viewsAt(fine, patch.placeOf(at.texcoord), at.to_eye)) {
+  for (const PatchTable::View& view : patch.viewsAt(fine, patch.placeOf(at.texcoord), at.to_eye)) {
     if (view.weight <= 0) continue;
     patch.add(fine, view, view.weight * (1 - levels.blend), factors);
     if (levels.blend > 0)

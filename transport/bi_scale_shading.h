@@ -11,7 +11,7 @@
 #include "formats/rtt_reflection.h"
 #include "transport/glossy_evaluator.h"
 #include "transport/pack_shading.h"
-#include "transport/rtt_table.h"
+#include "transport/patch_table.h"
 
 namespace bakelight::transport {
 
@@ -46,6 +46,11 @@ class BiScaleShading final : public PackShading {
 
  private:
   struct Surface;
+  // Of the components of a patch's factors.
+  struct Basis {
+    int order;
+    std::vector<float> values;  // components × 3 × order²
+  };
 
   Float3 radianceAt(const SurfaceHit& hit) const;
   Surface surfaceAt(const SurfaceHit& hit) const;
@@ -57,8 +62,9 @@ class BiScaleShading final : public PackShading {
   std::unique_ptr<const GlossyEvaluator> transfer_;
   std::size_t rows_;  // of transferred radiance
   std::vector<ShRotation>
-      local_from_object_;          // a vertex, for visibility, whose rows are in the object's frame
-  std::vector<RttTable> patches_;  // by appearance
+      local_from_object_;           // a vertex, for visibility, whose rows are in the object's frame
+  std::vector<PatchTable> tables_;  // by appearance
+  std::vector<Basis> bases_;        // by appearance
   std::vector<formats::VertexRange> ranges_;  // by appearance
   std::vector<Float3> vertex_albedo_;         // of Lambertian appearances; 1 elsewhere
   std::size_t components_ = 0;                // the most that a patch has

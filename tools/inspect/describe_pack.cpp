@@ -1,3 +1,5 @@
+#include <cstring>
+
 #include "formats/field_list.h"
 #include "formats/pack.h"
 #include "tools/inspect/describe.h"
@@ -63,17 +65,36 @@ Section materialSection(std::size_t index, const formats::Appearance& appearance
   return section;
 }
 
+std::vector<float> integersOf(const formats::IntegerArray& integers) {
+  std::vector<float> values(integers.count());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, integers.data.data() + i * integers.width, integers.width);  // little-endian
+    values[i] = static_cast<float>(value);
+  }
+  return values;
+}
+
+// Of a table, a list or integers.
+std::vector<float> valuesOf(const FieldValue& field) {
+  if (field.table != nullptr) return field.table->decode();
+  return field.integers != nullptr ? integersOf(*field.integers) : field.values;
+}
+const char* typeOf(const FieldValue& field) {
+  if (field.table != nullptr) return nameOf(field.table->precision);
+  return field.integers != nullptr ? formats::nameOfIntegers(field.integers->width) : "float32";
+}
+
 void addTables(Section& section, const std::string& prefix, const formats::PackPart& part) {
   for (const FieldValue& field : formats::fieldsOf(part)) {
     if (field.isPlain()) continue;
     Moments moments;
-    for (const float value : field.table != nullptr ? field.table->decode() : field.values)
-      moments.add(value);
-    const formats::Json precision = field.table != nullptr ? nameOf(field.table->precision) : "float32";
+    const std::vector<float> values = valuesOf(field);
+    for (const float value : values) moments.add(value);
     const std::size_t columns = field.table != nullptr ? field.table->columns : 1;
-    const std::size_t rows = field.table != nullptr ? field.table->rows : field.values.size();
-    section.rows.push_back({prefix + field.name, precision, rows, columns, moments.minimum(), moments.mean(),
-                            moments.maximum(), moments.rootMeanSquare()});
+    const std::size_t rows = field.table != nullptr ? field.table->rows : values.size();
+    section.rows.push_back({prefix + field.name, typeOf(field), rows, columns, moments.minimum(),
+                            moments.mean(), moments.maximum(), moments.rootMeanSquare()});
   }
 }
 

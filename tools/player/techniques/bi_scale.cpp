@@ -13,7 +13,7 @@
 #include "tools/player/operators/visibility_operator.h"
 #include "transport/bi_scale_shading.h"
 #include "transport/hemisphere_grid.h"
-#include "transport/rtt_table.h"
+#include "transport/patch_table.h"
 #include "transport/sh.h"
 
 namespace bakelight::player {
@@ -120,7 +120,7 @@ BiScale::BiScale(const formats::Pack& pack, const SurfaceMesh& mesh, bool near_l
     throw std::invalid_argument("bi-scale shading needs a frame a vertex");
   transfer_ = makeTransferOperator(transfer.isInObjectFrame() ? matricesFromVisibility(pack) : pack.sh());
   const std::vector<formats::VertexRange> ranges = formats::appearanceRanges(pack);
-  const std::vector<const formats::PackImage*> indices = formats::rttIndices(pack);
+  const std::vector<const formats::PackImage*> indices = formats::patchIndices(pack);
   normals_ = bufferOf(pack.mesh.normals);
   tangents_ = bufferOf(transfer.tangents);
   texcoords_ =

@@ -1,4 +1,4 @@
-// A radiance transfer texture (formats/rtt_reflection.h), decoded to be looked up: which place of the patch a point of the
+// A factored patch (formats/factored_patch.h), decoded to be looked up: which place of the patch a point of the
 // surface shows, where there each of the views about the eye's direction sees it, and the factors.
 #pragma once
 
@@ -7,18 +7,18 @@
 #include <span>
 #include <vector>
 
-#include "formats/pack_image.h"
-#include "formats/rtt_reflection.h"
+#include "formats/factored_patch.h"
 #include "transport/vector_types.h"
 
 namespace bakelight::transport {
 
-class RttTable {
+class PatchTable {
  public:
   // `image`: the index, or null. Throws std::invalid_argument if tables do not fit their sizes.
-  RttTable(const formats::RttReflection& source, const formats::PackImage* image);
+  PatchTable(const formats::FactoredPatch& source, const formats::PackImage* image);
 
-  const formats::RttReflection& reflection() const { return reflection_; }  // without its tables
+  std::size_t componentCount() const { return components_; }
+  float texelWidth() const { return texel_width_; }  // of the finest level, on the surface
   const std::vector<formats::RttLevel>& levels() const { return levels_; }
 
   // 0–1, u to the right and v upwards; by the index, or by texture coordinates.
@@ -41,9 +41,11 @@ class RttTable {
 
  private:
   float heightAt(const formats::RttLevel& level, const formats::Float2& place, std::size_t view) const;
-  std::size_t viewCount() const { return static_cast<std::size_t>(reflection_.views) * reflection_.views; }
+  std::size_t viewCount() const { return static_cast<std::size_t>(views_) * views_; }
 
-  formats::RttReflection reflection_;
+  int views_;  // a side of the grid
+  std::size_t components_;
+  float texel_width_, aspect_, repeats_;
   std::vector<formats::RttLevel> levels_;
   std::vector<float> factors_;
   std::vector<float> heights_;  // in widths; empty without relief

@@ -1,4 +1,4 @@
-#include "transport/rtt_table.h"
+#include "transport/patch_table.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,26 +32,25 @@ Float2 reliefSlope(const Vec3& direction) {
   return {static_cast<float>(direction.x() / z), static_cast<float>(direction.y() / z)};
 }
 
-RttTable::RttTable(const formats::RttReflection& source, const formats::PackImage* image)
-    : reflection_(source),
+PatchTable::PatchTable(const formats::FactoredPatch& source, const formats::PackImage* image)
+    : views_(source.views),
+      components_(static_cast<std::size_t>(source.components)),
+      texel_width_(source.patch_width / static_cast<float>(source.width)),
+      aspect_(static_cast<float>(source.width) / static_cast<float>(source.height)),
+      repeats_(source.repeats),
       levels_(formats::rttLevels(source.width, source.height)),
       factors_(source.factors.decode()) {
   const std::size_t rows = formats::rttTexelCount(levels_) * viewCount();
-  if (factors_.size() != rows * static_cast<std::size_t>(source.components) ||
-      source.basis.size() != 3 * static_cast<std::size_t>(source.components) * source.order * source.order)
-    throw std::invalid_argument("factors of a radiance transfer texture do not fit its size");
+  if (factors_.size() != rows * components_)
+    throw std::invalid_argument("factors of a patch do not fit its size");
   if (source.heights) {
     heights_ = source.heights->decode();
-    if (heights_.size() != rows)
-      throw std::invalid_argument("heights of a radiance transfer texture do not fit its size");
+    if (heights_.size() != rows) throw std::invalid_argument("heights of a patch do not fit its size");
     highest_ = *std::max_element(heights_.begin(), heights_.end());
   }
   for (int row = 0; row < source.views; ++row)
     for (int column = 0; column < source.views; ++column)
       slopes_.push_back(reliefSlope(hemisphereCell(source.views, column, row)));
-  reflection_.factors = {};
-  reflection_.heights.reset();
-  reflection_.index.reset();
   if (image == nullptr) return;
   if (image->texels.columns != 2 || image->texels.precision != formats::Precision::kUint8)
     throw std::invalid_argument("an index has two channels of 8 bits");
@@ -64,11 +63,9 @@ RttTable::RttTable(const formats::RttReflection& source, const formats::PackImag
   std::copy_n(image->texels.offset.begin(), 2, index_offset_.begin());
 }
 
-Float2 RttTable::placeOf(const Float2& texcoord) const {
+Float2 PatchTable::placeOf(const Float2& texcoord) const {
   if (index_.empty()) {
-    const double repeats = reflection_.repeats,
-                 aspect = static_cast<double>(reflection_.width) / reflection_.height;
-    const double u = texcoord[0] * repeats, v = texcoord[1] * repeats * aspect;
+    const double repeats = repeats_, u = texcoord[0] * repeats, v = texcoord[1] * repeats * double{aspect_};
     return {static_cast<float>(u - std::floor(u)), static_cast<float>(v - std::floor(v))};
   }
   const int x = texelOf(texcoord[0], index_width_), y = texelOf(1 - texcoord[1], index_height_);
@@ -78,7 +75,7 @@ Float2 RttTable::placeOf(const Float2& texcoord) const {
 }
 
 // Linear between texels: heights that jump from texel to texel would make places jump with the last digit.
-float RttTable::heightAt(const RttLevel& level, const Float2& place, std::size_t view) const {
+float PatchTable::heightAt(const RttLevel& level, const Float2& place, std::size_t view) const {
   const float x = place[0] * static_cast<float>(level.width) - 0.5F,
               y = (1 - place[1]) * static_cast<float>(level.height) - 0.5F;
   const float left = std::floor(x), top = std::floor(y), across = x - left, down = y - top;
@@ -93,26 +90,25 @@ float RttTable::heightAt(const RttLevel& level, const Float2& place, std::size_t
          down * ((1 - across) * at(0, 1) + across * at(1, 1));
 }
 
-std::array<RttTable::View, 4> RttTable::viewsAt(const RttLevel& level, const Float2& place,
-                                                const Vec3& to_eye) const {
+std::array<PatchTable::View, 4> PatchTable::viewsAt(const RttLevel& level, const Float2& place,
+                                                    const Vec3& to_eye) const {
   std::array<View, 4> found;
-  if (reflection_.views == 1) {
+  if (views_ == 1) {
     found[0] = {0, 1, place};
     return found;
   }
-  const GridPosition at = gridPosition(reflection_.views, to_eye);
+  const GridPosition at = gridPosition(views_, to_eye);
   const Float2 slope = reliefSlope(to_eye);
   const auto width = static_cast<float>(level.width), height = static_cast<float>(level.height);
-  const float aspect = static_cast<float>(reflection_.width) / static_cast<float>(reflection_.height);
   float total = 0;
   for (std::size_t k = 0; k < 4; ++k) {
     const int i = static_cast<int>(k) % 2, j = static_cast<int>(k) / 2;
     View& one = found[k];
     one.weight = (i == 0 ? 1 - at.across : at.across) * (j == 0 ? 1 - at.up : at.up);
-    one.view = static_cast<std::size_t>((at.row + j) * reflection_.views + at.column + i);
+    one.view = static_cast<std::size_t>((at.row + j) * views_ + at.column + i);
     one.place = place;
     if (!heights_.empty() && one.weight > 0) {
-      const Float2 shift = {slope[0] - slopes_[one.view][0], (slope[1] - slopes_[one.view][1]) * aspect};
+      const Float2 shift = {slope[0] - slopes_[one.view][0], (slope[1] - slopes_[one.view][1]) * aspect_};
       const auto shifted = [&](float h) { return Float2{place[0] + h * shift[0], place[1] + h * shift[1]}; };
       Float2 last = place;
       one.place = shifted(kReliefStart * highest_);
@@ -129,7 +125,7 @@ std::array<RttTable::View, 4> RttTable::viewsAt(const RttLevel& level, const Flo
   return found;
 }
 
-void RttTable::add(const RttLevel& level, const View& view, float weight, std::span<float> sum) const {
+void PatchTable::add(const RttLevel& level, const View& view, float weight, std::span<float> sum) const {
   const int x = texelOf(fraction(view.place[0]), level.width),
             y = texelOf(fraction(1 - view.place[1]), level.height);
   const std::size_t texel = level.first_texel + static_cast<std::size_t>(y) * level.width + x;

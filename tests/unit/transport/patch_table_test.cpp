@@ -1,4 +1,4 @@
-#include "transport/rtt_table.h"
+#include "transport/patch_table.h"
 
 #include <gtest/gtest.h>
 
@@ -40,17 +40,17 @@ RttReflection raisedPlane(double height) {
   return rtt;
 }
 
-float lookUp(const RttTable& table, const Float2& place, const Vec3& to_eye) {
+float lookUp(const PatchTable& table, const Float2& place, const Vec3& to_eye) {
   float sum = 0;
   const formats::RttLevel& finest = table.levels().front();
-  for (const RttTable::View& view : table.viewsAt(finest, place, to_eye))
+  for (const PatchTable::View& view : table.viewsAt(finest, place, to_eye))
     if (view.weight > 0) table.add(finest, view, view.weight, {&sum, 1});
   return sum;
 }
 
 // Over directions between those of the grid and places all over the patch.
 double worstOf(const RttReflection& rtt, double height) {
-  const RttTable table(rtt, nullptr);
+  const PatchTable table(rtt, nullptr);
   double worst = 0;
   for (const double polar : {0.0, 20.0, 40.0, 60.0, 70.0})
     for (const double azimuth : {10.0, 80.0, 200.0, 290.0})
@@ -68,7 +68,7 @@ double worstOf(const RttReflection& rtt, double height) {
 // Each view is rounded to its nearest texel: half of one, on a pattern whose slope is 2π.
 constexpr double kRounding = std::numbers::pi * (1.0 / kWidth + 1.0 / kHeight) + 1e-3;
 
-TEST(RttTable, LooksAlongTheRelief) {
+TEST(PatchTable, LooksAlongTheRelief) {
   for (const double height : {-0.1, 0.05, 0.15}) {
     RttReflection rtt = raisedPlane(height);
     EXPECT_LT(worstOf(rtt, height), kRounding) << height;
@@ -79,7 +79,7 @@ TEST(RttTable, LooksAlongTheRelief) {
 }
 
 // A step down, whose edge hides from some views what others see: they count for next to nothing, and all weights sum to 1.
-TEST(RttTable, ViewsThatDoNotSeeThePointGiveWay) {
+TEST(PatchTable, ViewsThatDoNotSeeThePointGiveWay) {
   RttReflection rtt = tests::madeRtt(1, kViews, kWidth, kHeight, 1);
   std::vector<float> heights;
   for (const formats::RttLevel& level : formats::rttLevels(kWidth, kHeight))
@@ -92,14 +92,14 @@ TEST(RttTable, ViewsThatDoNotSeeThePointGiveWay) {
           heights.push_back(top - std::floor(top) < 0.5 ? 0.2F : 0.0F);
         }
   rtt.heights = formats::encodeTable(heights, 1, formats::Precision::kFloat32, "made", "heights");
-  const RttTable table(rtt, nullptr);
+  const PatchTable table(rtt, nullptr);
   const formats::RttLevel& finest = table.levels().front();
   int settled = 0, hidden = 0;
   for (int i = 0; i < 100; ++i) {
     const Vec3 eye = Vec3(-0.55, 0.05, 1).normalized();
     const Float2 place = {static_cast<float>((i + 0.5) / 100), 0.5F};
     float total = 0, least = 1, most = 0;
-    for (const RttTable::View& view : table.viewsAt(finest, place, eye)) {
+    for (const PatchTable::View& view : table.viewsAt(finest, place, eye)) {
       total += view.weight;
       least = std::min(least, view.weight), most = std::max(most, view.weight);
     }
@@ -111,11 +111,11 @@ TEST(RttTable, ViewsThatDoNotSeeThePointGiveWay) {
   EXPECT_GT(settled, 60);
 }
 
-TEST(RttTable, RefusesTablesOfAnotherSize) {
+TEST(PatchTable, RefusesTablesOfAnotherSize) {
   RttReflection rtt = raisedPlane(0.1);
   rtt.heights->rows -= 1;
   rtt.heights->data = formats::Bytes(rtt.heights->rows * 4);
-  EXPECT_THROW(RttTable(rtt, nullptr), std::invalid_argument);
+  EXPECT_THROW(PatchTable(rtt, nullptr), std::invalid_argument);
 }
 
 }  // namespace
