@@ -1,0 +1,229 @@
+#include "tools/bicluster/tile_sums.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "tools/bicluster/symbol_lists.h"
+#include "transport/morton.h"
+#include "transport/sum_grammar.h"
+
+namespace bakelight::bicluster {
+namespace {
+
+constexpr std::uint32_t kPieceUses = 3;
+constexpr std::uint32_t kThresholds[] = {8, 5, 4, 3, 2, 2, 2};
+
+std::uint64_t randomNumber(std::uint64_t x) {  // splitmix64
+  x += 0x9e3779b97f4a7c15U;
+  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9U;
+  x = (x ^ x >> 27) * 0x94d049bb133111ebU;
+  return x ^ x >> 31;
+}
+
+struct TexelAt {
+  std::uint32_t place, leaf;
+};
+
+// Along a curve on which a square of 2ⁿ × 2ⁿ texels is one piece, as are its halves.
+std::uint32_t placeOf(std::uint16_t column, int side) {
+  const auto x = static_cast<std::uint16_t>(column % side),
+             y = static_cast<std::uint16_t>(column / side % side);
+  return static_cast<std::uint32_t>(column / side / side) << 14 | transport::mortonCode(x, y);
+}
+
+TileTexels texelsOf(const formats::PixelCodes& codes, std::span<const std::uint32_t> rows,
+                    std::vector<TileSums::Leaf>& leaves) {
+  TileTexels texels;
+  std::vector<std::uint32_t> keys;
+  for (const std::uint32_t row : rows)
+    for (std::uint64_t i = codes.row_offsets[row]; i < codes.row_offsets[row + 1]; ++i)
+      texels.leaves.push_back(std::uint32_t{codes.columns[i]} << 8 | codes.codes[i]);
+  keys = texels.leaves;
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  std::vector<std::uint32_t> first_of_column(codes.columnCount() + 1, 0);
+  for (const std::uint32_t key : keys) {
+    leaves.push_back({static_cast<std::uint16_t>(key >> 8), static_cast<std::uint8_t>(key)});
+    texels.leaf_hashes.push_back(randomNumber(key));
+    ++first_of_column[(key >> 8) + 1];
+  }
+  std::partial_sum(first_of_column.begin(), first_of_column.end(), first_of_column.begin());
+  texels.places.resize(texels.leaves.size());
+  std::vector<TexelAt> row_texels;
+  std::size_t begin = 0;
+  for (const std::uint32_t row : rows) {
+    const std::size_t end = begin + (codes.row_offsets[row + 1] - codes.row_offsets[row]);
+    row_texels.clear();
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t key = texels.leaves[i];
+      std::uint32_t leaf = first_of_column[key >> 8];
+      while (leaves[leaf].code != static_cast<std::uint8_t>(key)) ++leaf;
+      row_texels.push_back({placeOf(static_cast<std::uint16_t>(key >> 8), codes.cube_side), leaf});
+    }
+    std::sort(row_texels.begin(), row_texels.end(),
+              [](const TexelAt& a, const TexelAt& b) { return a.place < b.place; });
+    for (const TexelAt& texel : row_texels)
+      texels.places[begin] = texel.place, texels.leaves[begin++] = texel.leaf;
+    texels.row_begins.push_back(static_cast<std::uint32_t>(begin));
+  }
+  return texels;
+}
+
+// From lists to tables: sums used once are put in the place of their use, sums of more than two parts become chains, and all are
+// sorted by level.
+class Tables {
+ public:
+  Tables(const SymbolLists& lists, std::span<const std::uint32_t> rows, TileSums& out)
+      : lists_(lists), rows_(rows), out_(out), uses_(lists.hashes.size(), 0) {}
+
+  bool build() {
+    countUses();
+    for (std::size_t sum = 0; sum < lists_.sumCount(); ++sum) {
+      const std::size_t symbol = lists_.leaves + sum;
+      if (uses_[symbol] >= 2) addSum(symbol);
+    }
+    sortByLevel();
+    if (lists_.leaves + sums_.size() > transport::kMostTileEntries) return false;
+    addRows();
+    return true;
+  }
+
+ private:
+  struct Sum {
+    std::uint32_t parts[2];  // leaves, then sums in the order in which they were made
+    std::uint32_t level, uses;
+  };
+
+  void countUses() {
+    for (const Symbol symbol : lists_.symbols) ++uses_[symbol];
+    // A sum that nothing uses uses nothing itself; sums of a higher number use those of lower ones or, of pieces, the reverse.
+    bool changed = true;
+    std::vector<std::uint8_t> dropped(lists_.sumCount(), 0);
+    while (changed) {
+      changed = false;
+      for (std::size_t sum = 0; sum < lists_.sumCount(); ++sum) {
+        if (dropped[sum] != 0 || uses_[lists_.leaves + sum] != 0) continue;
+        dropped[sum] = 1, changed = true;
+        for (const Symbol part : lists_.list(lists_.rows + sum)) --uses_[part];
+      }
+    }
+    entry_of_.assign(lists_.hashes.size(), kNone);
+  }
+
+  // The list's terms once sums with a single use are written out.
+  void expand(std::span<const Symbol> list, std::vector<std::uint32_t>& terms) {
+    for (const Symbol symbol : list) {
+      if (symbol < lists_.leaves) {
+        terms.push_back(symbol);
+      } else if (uses_[symbol] >= 2) {
+        terms.push_back(addSum(symbol));
+      } else {
+        expand(lists_.list(lists_.rows + symbol - lists_.leaves), terms);
+      }
+    }
+  }
+
+  std::uint32_t levelOf(std::uint32_t entry) const {
+    return entry < lists_.leaves ? 0 : sums_[entry - lists_.leaves].level;
+  }
+
+  std::uint32_t addSum(std::size_t symbol) {
+    if (entry_of_[symbol] != kNone) return entry_of_[symbol];
+    std::vector<std::uint32_t> terms;
+    expand(lists_.list(lists_.rows + symbol - lists_.leaves), terms);
+    std::sort(terms.begin(), terms.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return levelOf(a) != levelOf(b) ? levelOf(a) < levelOf(b) : a < b;
+    });
+    std::uint32_t entry = terms[0];
+    for (std::size_t i = 1; i < terms.size(); ++i) {
+      const std::uint32_t level = 1 + std::max(levelOf(entry), levelOf(terms[i]));
+      sums_.push_back({{entry, terms[i]}, level, i + 1 == terms.size() ? uses_[symbol] : 1});
+      entry = static_cast<std::uint32_t>(lists_.leaves + sums_.size() - 1);
+    }
+    return entry_of_[symbol] = entry;
+  }
+
+  void sortByLevel() {
+    std::vector<std::uint32_t> order(sums_.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      if (sums_[a].level != sums_[b].level) return sums_[a].level < sums_[b].level;
+      return sums_[a].uses != sums_[b].uses ? sums_[a].uses > sums_[b].uses : a < b;
+    });
+    final_.resize(lists_.leaves + sums_.size());
+    std::iota(final_.begin(), final_.begin() + static_cast<std::ptrdiff_t>(lists_.leaves), 0U);
+    for (std::size_t i = 0; i < order.size(); ++i)
+      final_[lists_.leaves + order[i]] = static_cast<std::uint32_t>(lists_.leaves + i);
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const Sum& sum = sums_[order[i]];
+      const auto a = static_cast<std::uint16_t>(final_[sum.parts[0]]),
+                 b = static_cast<std::uint16_t>(final_[sum.parts[1]]);
+      out_.sums.push_back({std::min(a, b), std::max(a, b)});
+      if (i + 1 == order.size() || sums_[order[i + 1]].level != sum.level)
+        out_.level_ends.push_back(static_cast<std::uint32_t>(i + 1));
+    }
+  }
+
+  void addRows() {
+    std::vector<std::uint32_t> terms, begins = {0};
+    for (std::size_t row = 0; row < lists_.rows; ++row) {
+      const std::size_t begin = terms.size();
+      expand(lists_.list(row), terms);
+      for (std::size_t i = begin; i < terms.size(); ++i) terms[i] = final_[terms[i]];
+      std::sort(terms.begin() + static_cast<std::ptrdiff_t>(begin), terms.end());
+      begins.push_back(static_cast<std::uint32_t>(terms.size()));
+    }
+    std::vector<std::uint32_t> order(lists_.rows);
+    std::iota(order.begin(), order.end(), 0U);
+    const auto length = [&](std::uint32_t row) { return begins[row + 1] - begins[row]; };
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return length(a) != length(b) ? length(a) < length(b) : rows_[a] < rows_[b];
+    });
+    out_.row_begins.push_back(0);
+    for (const std::uint32_t row : order) {
+      out_.rows.push_back(rows_[row]);
+      for (std::uint32_t i = begins[row]; i < begins[row + 1]; ++i)
+        out_.terms.push_back(static_cast<std::uint16_t>(terms[i]));
+      out_.row_begins.push_back(static_cast<std::uint32_t>(out_.terms.size()));
+    }
+  }
+
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+  const SymbolLists& lists_;
+  std::span<const std::uint32_t> rows_;
+  TileSums& out_;
+  std::vector<std::uint32_t> uses_, entry_of_, final_;
+  std::vector<Sum> sums_;
+};
+
+TileSums plainTile(const formats::PixelCodes& codes, std::span<const std::uint32_t> rows) {
+  TileSums tile;
+  tile.plain = true;
+  tile.rows.assign(rows.begin(), rows.end());
+  const auto length = [&](std::uint32_t row) { return codes.row_offsets[row + 1] - codes.row_offsets[row]; };
+  std::sort(tile.rows.begin(), tile.rows.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return length(a) != length(b) ? length(a) < length(b) : a < b;
+  });
+  return tile;
+}
+
+}  // namespace
+
+TileSums shareSums(const formats::PixelCodes& codes, std::span<const std::uint32_t> rows,
+                   const SumOptions& options) {
+  TileSums tile;
+  const TileTexels texels = texelsOf(codes, rows, tile.leaves);
+  if (tile.leaves.size() > transport::kMostTileEntries / 2) return plainTile(codes, rows);
+  SymbolLists lists = cutIntoPieces(texels, std::max(kPieceUses, options.least_uses));
+  for (const std::uint32_t threshold : kThresholds)
+    pairUp(lists, std::max(threshold, options.least_uses), transport::kMostTileEntries);
+  if (!Tables(lists, rows, tile).build()) return plainTile(codes, rows);
+  const std::size_t entries = texels.leaves.size();
+  const std::size_t bytes = 3 * tile.leaves.size() + 4 * tile.sums.size() + 2 * tile.terms.size();
+  const std::size_t additions = tile.leaves.size() + tile.sums.size() + tile.terms.size();
+  if (bytes >= 3 * entries || additions >= 2 * entries) return plainTile(codes, rows);
+  return tile;
+}
+
+}  // namespace bakelight::bicluster

@@ -1,0 +1,149 @@
+#include "transport/sum_grammar.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace bakelight::transport {
+namespace {
+
+constexpr std::size_t kRowsAtOnce = 2048;
+
+// Light by code: entry code · value.
+std::vector<Radiance4> scaledLight(std::span<const Radiance4> light, int subsamples) {
+  const float scale = 1.0F / static_cast<float>(subsamples * subsamples);
+  std::vector<Radiance4> scaled(light.size());
+  for (std::size_t k = 0; k < light.size(); ++k) scaled[k] = light[k] * scale;
+  return scaled;
+}
+
+// `kTerms` 0: any number.
+template <std::uint32_t kTerms>
+const std::uint16_t* addRows(const Radiance4* table, const std::uint16_t* term, RowGroup group,
+                             Radiance4* out) {
+  const std::uint32_t terms = kTerms == 0 ? group.terms : kTerms;
+  for (std::uint32_t row = 0; row < group.rows; ++row, term += terms) {
+    Radiance4 sum = table[term[0]];
+    for (std::uint32_t i = 1; i < terms; ++i) sum += table[term[i]];
+    out[row] = sum;
+  }
+  return term;
+}
+
+const std::uint16_t* addRowsOf(const Radiance4* table, const std::uint16_t* term, RowGroup group,
+                               Radiance4* out) {
+  switch (group.terms) {
+    case 1:
+      return addRows<1>(table, term, group, out);
+    case 2:
+      return addRows<2>(table, term, group, out);
+    case 3:
+      return addRows<3>(table, term, group, out);
+    case 4:
+      return addRows<4>(table, term, group, out);
+    case 5:
+      return addRows<5>(table, term, group, out);
+    case 6:
+      return addRows<6>(table, term, group, out);
+    case 7:
+      return addRows<7>(table, term, group, out);
+    case 8:
+      return addRows<8>(table, term, group, out);
+    default:
+      return addRows<0>(table, term, group, out);
+  }
+}
+
+class TileProduct {
+ public:
+  TileProduct(const SumGrammar& grammar, const Radiance4* light, Radiance4* values)
+      : grammar_(grammar), light_(light), values_(values) {}
+
+  void operator()(std::size_t tile) const {
+    const SumTile &begin = grammar_.tiles[tile], &end = grammar_.tiles[tile + 1];
+    if (begin.leaf == end.leaf) {
+      addCodes(begin, end);
+      return;
+    }
+    static thread_local std::vector<Radiance4> table;
+    const std::size_t leaves = end.leaf - begin.leaf, sums = end.sum - begin.sum;
+    if (table.size() < leaves + sums) table.resize(kMostTileEntries);
+    fillTable(begin, leaves, sums, table.data());
+    const std::uint16_t* term = grammar_.terms.data() + begin.term;
+    Radiance4* out = values_ + begin.row;
+    for (std::uint64_t group = begin.group; group < end.group; ++group) {
+      term = addRowsOf(table.data(), term, grammar_.groups[group], out);
+      out += grammar_.groups[group].rows;
+    }
+  }
+
+ private:
+  void fillTable(const SumTile& begin, std::size_t leaves, std::size_t sums, Radiance4* table) const {
+    for (std::size_t i = 0; i < leaves; ++i)
+      table[i] = light_[grammar_.leaf_columns[begin.leaf + i]] *
+                 static_cast<float>(grammar_.leaf_codes[begin.leaf + i]);
+    const std::uint16_t* part = grammar_.sum_parts.data() + 2 * begin.sum;
+    Radiance4* sum = table + leaves;
+    for (std::size_t i = 0; i < sums; ++i, part += 2) sum[i] = table[part[0]] + table[part[1]];
+  }
+
+  void addCodes(const SumTile& begin, const SumTile& end) const {
+    const std::uint16_t* column = grammar_.terms.data() + begin.term;
+    const std::uint8_t* code = grammar_.term_codes.data() + begin.code;
+    Radiance4* out = values_ + begin.row;
+    for (std::uint64_t group = begin.group; group < end.group; ++group)
+      for (std::uint32_t row = 0; row < grammar_.groups[group].rows; ++row) {
+        Radiance4 sum = Radiance4::Zero();
+        for (std::uint32_t i = 0; i < grammar_.groups[group].terms; ++i)
+          sum += light_[*column++] * static_cast<float>(*code++);
+        *out++ = sum;
+      }
+  }
+
+  const SumGrammar& grammar_;
+  const Radiance4* light_;
+  Radiance4* values_;
+};
+
+}  // namespace
+
+void multiply(const SumGrammar& grammar, std::span<const Radiance4> light, std::span<Radiance4> values) {
+  if (light.size() != grammar.columnCount() || values.size() != grammar.row_places.size())
+    throw std::invalid_argument("light and values do not fit the matrix");
+  const std::vector<Radiance4> scaled = scaledLight(light, grammar.subsamples);
+  tbb::parallel_for(std::size_t{0}, grammar.tileCount(), TileProduct(grammar, scaled.data(), values.data()));
+}
+
+std::vector<std::uint32_t> valuePlaces(const SumGrammar& grammar) {
+  std::vector<std::uint32_t> places(grammar.row_count, kNoValue);
+  for (std::size_t value = 0; value < grammar.row_places.size(); ++value)
+    places[grammar.row_places[value]] = static_cast<std::uint32_t>(value);
+  return places;
+}
+
+void multiply(const formats::PixelCodes& codes, std::span<const Radiance4> light,
+              std::span<Radiance4> values) {
+  if (light.size() != codes.columnCount() || values.size() != codes.rowCount())
+    throw std::invalid_argument("light and values do not fit the matrix");
+  const std::vector<Radiance4> scaled = scaledLight(light, codes.subsamples);
+  float factors[256];
+  for (int code = 0; code < 256; ++code) factors[code] = static_cast<float>(code);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, codes.rowCount(), kRowsAtOnce),
+                    [&](const auto& range) {
+                      for (std::size_t row = range.begin(); row < range.end(); ++row) {
+                        const std::uint64_t end = codes.row_offsets[row + 1];
+                        Radiance4 even = Radiance4::Zero(), odd = Radiance4::Zero();
+                        std::uint64_t i = codes.row_offsets[row];
+                        for (; i + 1 < end; i += 2) {
+                          even += scaled[codes.columns[i]] * factors[codes.codes[i]];
+                          odd += scaled[codes.columns[i + 1]] * factors[codes.codes[i + 1]];
+                        }
+                        if (i < end) even += scaled[codes.columns[i]] * factors[codes.codes[i]];
+                        values[row] = even + odd;
+                      }
+                    });
+}
+
+}  // namespace bakelight::transport
