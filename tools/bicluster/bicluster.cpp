@@ -62,7 +62,7 @@ std::vector<std::uint32_t> sortedRows(const formats::PixelCodes& codes) {
   return rows;
 }
 
-void append(const TileSums& tile, const formats::PixelCodes& codes, transport::SumGrammar& grammar) {
+void append(const TileSums& tile, const formats::PixelCodes& codes, formats::SumGrammar& grammar) {
   for (const auto& leaf : tile.leaves)
     if (!tile.plain) grammar.leaf_columns.push_back(leaf.column), grammar.leaf_codes.push_back(leaf.code);
   for (const auto& sum : tile.sums) grammar.sum_parts.insert(grammar.sum_parts.end(), sum.begin(), sum.end());
@@ -85,7 +85,7 @@ void append(const TileSums& tile, const formats::PixelCodes& codes, transport::S
   }
 }
 
-transport::SumTile endOf(const transport::SumGrammar& grammar) {
+formats::SumTile endOf(const formats::SumGrammar& grammar) {
   return {grammar.leaf_columns.size(), grammar.sum_parts.size() / 2, grammar.level_ends.size(),
           grammar.groups.size(),       grammar.terms.size(),         grammar.term_codes.size(),
           grammar.row_places.size()};
@@ -98,8 +98,8 @@ struct Entry {
 
 // A tile's rows, one after the other.
 template <class Function>
-void forRows(const transport::SumGrammar& grammar, std::size_t tile, const Function& function) {
-  const transport::SumTile &begin = grammar.tiles[tile], &end = grammar.tiles[tile + 1];
+void forRows(const formats::SumGrammar& grammar, std::size_t tile, const Function& function) {
+  const formats::SumTile &begin = grammar.tiles[tile], &end = grammar.tiles[tile + 1];
   const std::size_t leaves = end.leaf - begin.leaf, sums = end.sum - begin.sum;
   std::vector<std::vector<Entry>> entries(leaves + sums);
   for (std::size_t i = 0; i < leaves; ++i)
@@ -131,9 +131,9 @@ void forRows(const transport::SumGrammar& grammar, std::size_t tile, const Funct
 
 }  // namespace
 
-transport::SumGrammar compress(const formats::PixelCodes& codes, const SumOptions& options) {
+formats::SumGrammar compress(const formats::PixelCodes& codes, const SumOptions& options) {
   check(codes);
-  transport::SumGrammar grammar;
+  formats::SumGrammar grammar;
   grammar.cube_side = codes.cube_side, grammar.local_side = codes.local_side,
   grammar.subsamples = codes.subsamples;
   grammar.row_count = codes.rowCount();
@@ -156,7 +156,7 @@ transport::SumGrammar compress(const formats::PixelCodes& codes, const SumOption
   return grammar;
 }
 
-formats::PixelRows decode(const transport::SumGrammar& grammar) {
+formats::PixelRows decode(const formats::SumGrammar& grammar) {
   std::vector<std::vector<Entry>> rows(grammar.row_count);
   tbb::parallel_for(std::size_t{0}, grammar.tileCount(), [&](std::size_t tile) {
     forRows(grammar, tile,
@@ -173,7 +173,7 @@ formats::PixelRows decode(const transport::SumGrammar& grammar) {
   return decoded;
 }
 
-std::uint64_t reconstructionErrors(const transport::SumGrammar& grammar, const formats::PixelCodes& codes) {
+std::uint64_t reconstructionErrors(const formats::SumGrammar& grammar, const formats::PixelCodes& codes) {
   if (grammar.row_count != codes.rowCount())
     return std::max<std::uint64_t>(grammar.row_count, codes.rowCount());
   std::vector<std::uint8_t> right(codes.rowCount(), 0);
@@ -192,7 +192,7 @@ std::uint64_t reconstructionErrors(const transport::SumGrammar& grammar, const f
   return errors;
 }
 
-Operations operationsOf(const transport::SumGrammar& grammar) {
+Operations operationsOf(const formats::SumGrammar& grammar) {
   Operations operations;
   const int full = grammar.subsamples * grammar.subsamples;
   const auto scaled = static_cast<std::uint64_t>(std::count_if(
@@ -203,7 +203,7 @@ Operations operationsOf(const transport::SumGrammar& grammar) {
   return operations;
 }
 
-std::uint64_t bytesInMemory(const transport::SumGrammar& grammar) {
+std::uint64_t bytesInMemory(const formats::SumGrammar& grammar) {
   const auto bytes = [](const auto& values) { return values.size() * sizeof(values[0]); };
   return bytes(grammar.tiles) + bytes(grammar.leaf_columns) + bytes(grammar.leaf_codes) +
          bytes(grammar.sum_parts) + bytes(grammar.level_ends) + bytes(grammar.groups) + bytes(grammar.terms) +

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "formats/pixel_transfer.h"
-#include "transport/sum_grammar.h"
+#include "transport/sum_product.h"
 
 namespace bakelight::bicluster {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <numeric>
 
+#include "formats/sum_grammar.h"
 #include "tools/bicluster/symbol_lists.h"
 #include "transport/morton.h"
-#include "transport/sum_grammar.h"
 
 namespace bakelight::bicluster {
 namespace {
@@ -83,7 +83,7 @@ class Tables {
       if (uses_[symbol] >= 2) addSum(symbol);
     }
     sortByLevel();
-    if (lists_.leaves + sums_.size() > transport::kMostTileEntries) return false;
+    if (lists_.leaves + sums_.size() > formats::kMostTileEntries) return false;
     addRows();
     return true;
   }
@@ -92,6 +92,7 @@ class Tables {
   struct Sum {
     std::uint32_t parts[2];  // leaves, then sums in the order in which they were made
     std::uint32_t level, uses;
+    std::uint32_t anchor;  // its first leaf
   };
 
   void countUses() {
@@ -127,6 +128,14 @@ class Tables {
     return entry < lists_.leaves ? 0 : sums_[entry - lists_.leaves].level;
   }
 
+  std::uint32_t anchorOf(std::uint32_t entry) const {
+    return entry < lists_.leaves ? entry : sums_[entry - lists_.leaves].anchor;
+  }
+  void sortByAnchor(std::span<std::uint32_t> entries) const {
+    std::sort(entries.begin(), entries.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return anchorOf(a) < anchorOf(b); });
+  }
+
   std::uint32_t addSum(std::size_t symbol) {
     if (entry_of_[symbol] != kNone) return entry_of_[symbol];
     std::vector<std::uint32_t> terms;
@@ -137,7 +146,10 @@ class Tables {
     std::uint32_t entry = terms[0];
     for (std::size_t i = 1; i < terms.size(); ++i) {
       const std::uint32_t level = 1 + std::max(levelOf(entry), levelOf(terms[i]));
-      sums_.push_back({{entry, terms[i]}, level, i + 1 == terms.size() ? uses_[symbol] : 1});
+      std::array<std::uint32_t, 2> parts = {entry, terms[i]};
+      sortByAnchor(parts);
+      sums_.push_back(
+          {{parts[0], parts[1]}, level, i + 1 == terms.size() ? uses_[symbol] : 1, anchorOf(parts[0])});
       entry = static_cast<std::uint32_t>(lists_.leaves + sums_.size() - 1);
     }
     return entry_of_[symbol] = entry;
@@ -148,6 +160,7 @@ class Tables {
     std::iota(order.begin(), order.end(), 0U);
     std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
       if (sums_[a].level != sums_[b].level) return sums_[a].level < sums_[b].level;
+      if (sums_[a].anchor != sums_[b].anchor) return sums_[a].anchor < sums_[b].anchor;
       return sums_[a].uses != sums_[b].uses ? sums_[a].uses > sums_[b].uses : a < b;
     });
     final_.resize(lists_.leaves + sums_.size());
@@ -156,9 +169,8 @@ class Tables {
       final_[lists_.leaves + order[i]] = static_cast<std::uint32_t>(lists_.leaves + i);
     for (std::size_t i = 0; i < order.size(); ++i) {
       const Sum& sum = sums_[order[i]];
-      const auto a = static_cast<std::uint16_t>(final_[sum.parts[0]]),
-                 b = static_cast<std::uint16_t>(final_[sum.parts[1]]);
-      out_.sums.push_back({std::min(a, b), std::max(a, b)});
+      out_.sums.push_back({static_cast<std::uint16_t>(final_[sum.parts[0]]),
+                           static_cast<std::uint16_t>(final_[sum.parts[1]])});
       if (i + 1 == order.size() || sums_[order[i + 1]].level != sum.level)
         out_.level_ends.push_back(static_cast<std::uint32_t>(i + 1));
     }
@@ -169,8 +181,8 @@ class Tables {
     for (std::size_t row = 0; row < lists_.rows; ++row) {
       const std::size_t begin = terms.size();
       expand(lists_.list(row), terms);
+      sortByAnchor(std::span(terms).subspan(begin));
       for (std::size_t i = begin; i < terms.size(); ++i) terms[i] = final_[terms[i]];
-      std::sort(terms.begin() + static_cast<std::ptrdiff_t>(begin), terms.end());
       begins.push_back(static_cast<std::uint32_t>(terms.size()));
     }
     std::vector<std::uint32_t> order(lists_.rows);
@@ -214,10 +226,10 @@ TileSums shareSums(const formats::PixelCodes& codes, std::span<const std::uint32
                    const SumOptions& options) {
   TileSums tile;
   const TileTexels texels = texelsOf(codes, rows, tile.leaves);
-  if (tile.leaves.size() > transport::kMostTileEntries / 2) return plainTile(codes, rows);
+  if (tile.leaves.size() > formats::kMostTileEntries / 2) return plainTile(codes, rows);
   SymbolLists lists = cutIntoPieces(texels, std::max(kPieceUses, options.least_uses));
   for (const std::uint32_t threshold : kThresholds)
-    pairUp(lists, std::max(threshold, options.least_uses), transport::kMostTileEntries);
+    pairUp(lists, std::max(threshold, options.least_uses), formats::kMostTileEntries);
   if (!Tables(lists, rows, tile).build()) return plainTile(codes, rows);
   const std::size_t entries = texels.leaves.size();
   const std::size_t bytes = 3 * tile.leaves.size() + 4 * tile.sums.size() + 2 * tile.terms.size();

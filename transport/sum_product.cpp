@@ -1,4 +1,4 @@
-#include "transport/sum_grammar.h"
+#include "transport/sum_product.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -9,13 +9,32 @@
 namespace bakelight::transport {
 namespace {
 
+using formats::kMostTileEntries;
+using formats::RowGroup;
+using formats::SumGrammar;
+using formats::SumTile;
+
 constexpr std::size_t kRowsAtOnce = 2048;
 
-// Light by code: entry code · value.
-std::vector<Radiance4> scaledLight(std::span<const Radiance4> light, int subsamples) {
-  const float scale = 1.0F / static_cast<float>(subsamples * subsamples);
+float scaleOf(int subsamples) {
+  return 1.0F / static_cast<float>(subsamples * subsamples);
+}
+
+std::vector<Radiance4> scaledLight(std::span<const Radiance4> light, float scale) {
   std::vector<Radiance4> scaled(light.size());
   for (std::size_t k = 0; k < light.size(); ++k) scaled[k] = light[k] * scale;
+  return scaled;
+}
+
+// Entry (code − 1) · texels + k is code / subsamples² of texel k's light.
+std::vector<Radiance4> lightByCode(std::span<const Radiance4> light, int subsamples) {
+  const int full = subsamples * subsamples;
+  std::vector<Radiance4> scaled(light.size() * full);
+  for (int code = 1; code <= full; ++code)
+    for (std::size_t k = 0; k < light.size(); ++k)
+      scaled[(code - 1) * light.size() + k] =
+          code == full ? light[k]
+                       : Radiance4(light[k] * (static_cast<float>(code) / static_cast<float>(full)));
   return scaled;
 }
 
@@ -58,8 +77,9 @@ const std::uint16_t* addRowsOf(const Radiance4* table, const std::uint16_t* term
 
 class TileProduct {
  public:
-  TileProduct(const SumGrammar& grammar, const Radiance4* light, Radiance4* values)
-      : grammar_(grammar), light_(light), values_(values) {}
+  // Of `codes` codes, or a multiplication a leaf if that is 1.
+  TileProduct(const SumGrammar& grammar, const Radiance4* light, int codes, Radiance4* values)
+      : grammar_(grammar), light_(light), codes_(codes), values_(values) {}
 
   void operator()(std::size_t tile) const {
     const SumTile &begin = grammar_.tiles[tile], &end = grammar_.tiles[tile + 1];
@@ -81,12 +101,17 @@ class TileProduct {
 
  private:
   void fillTable(const SumTile& begin, std::size_t leaves, std::size_t sums, Radiance4* table) const {
-    for (std::size_t i = 0; i < leaves; ++i)
-      table[i] = light_[grammar_.leaf_columns[begin.leaf + i]] *
-                 static_cast<float>(grammar_.leaf_codes[begin.leaf + i]);
+    const std::uint16_t* column = grammar_.leaf_columns.data() + begin.leaf;
+    const std::uint8_t* code = grammar_.leaf_codes.data() + begin.leaf;
+    for (std::size_t i = 0; i < leaves; ++i) table[i] = leaf(column[i], code[i]);
     const std::uint16_t* part = grammar_.sum_parts.data() + 2 * begin.sum;
     Radiance4* sum = table + leaves;
     for (std::size_t i = 0; i < sums; ++i, part += 2) sum[i] = table[part[0]] + table[part[1]];
+  }
+
+  Radiance4 leaf(std::uint16_t column, std::uint8_t code) const {
+    if (codes_ == 1) return light_[column] * static_cast<float>(code);
+    return light_[(code - 1) * grammar_.columnCount() + column];
   }
 
   void addCodes(const SumTile& begin, const SumTile& end) const {
@@ -96,14 +121,14 @@ class TileProduct {
     for (std::uint64_t group = begin.group; group < end.group; ++group)
       for (std::uint32_t row = 0; row < grammar_.groups[group].rows; ++row) {
         Radiance4 sum = Radiance4::Zero();
-        for (std::uint32_t i = 0; i < grammar_.groups[group].terms; ++i)
-          sum += light_[*column++] * static_cast<float>(*code++);
+        for (std::uint32_t i = 0; i < grammar_.groups[group].terms; ++i) sum += leaf(*column++, *code++);
         *out++ = sum;
       }
   }
 
   const SumGrammar& grammar_;
   const Radiance4* light_;
+  int codes_;
   Radiance4* values_;
 };
 
@@ -127,7 +152,7 @@ void multiply(const formats::PixelCodes& codes, std::span<const Radiance4> light
               std::span<Radiance4> values) {
   if (light.size() != codes.columnCount() || values.size() != codes.rowCount())
     throw std::invalid_argument("light and values do not fit the matrix");
-  const std::vector<Radiance4> scaled = scaledLight(light, codes.subsamples);
+  const std::vector<Radiance4> scaled = scaledLight(light, scaleOf(codes.subsamples));
   float factors[256];
   for (int code = 0; code < 256; ++code) factors[code] = static_cast<float>(code);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, codes.rowCount(), kRowsAtOnce),

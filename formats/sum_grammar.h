@@ -1,6 +1,6 @@
-// The product of a transfer matrix in a pixel basis with light, as sums that rows share: each sum is worked out once, from smaller
-// ones, and a row adds up the few that make it up. Exact in integers: every row is a disjoint union of its sums. Nothing is ever
-// subtracted, so a sun beside a dark sky costs no digits.
+// A transfer matrix in a pixel basis as sums that its rows share: each sum is worked out once, from smaller ones, and a row adds up
+// the few that make it up. Exact in integers: every row is a disjoint union of its sums. Nothing is ever subtracted, so a sun beside
+// a dark sky costs no digits.
 //
 // Rows that look at the same part of the sphere are a tile, with tables of its own that stay in a processor's nearest cache (or in
 // a work group's shared memory). A tile's table holds its leaves (a texel's light times a code), then its sums, level by level: a
@@ -8,17 +8,11 @@
 // the number of their terms, so that there is no branch to predict.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <Eigen/Core>
-#include <span>
 #include <vector>
 
-#include "formats/pixel_transfer.h"
-
-namespace bakelight::transport {
-
-// RGB and a spare value: a row's light, or a texel's, in one register.
-using Radiance4 = Eigen::Vector4f;
+namespace bakelight::formats {
 
 inline constexpr std::size_t kMostTileEntries = 65536;
 
@@ -38,14 +32,15 @@ struct SumGrammar {
   std::uint64_t row_count = 0;  // of the matrix; rows without an entry are in no tile
   std::vector<SumTile> tiles;   // one more than there are
 
-  // Of a tile: entry i < leaves is code · light[column].
+  // Of a tile: entry i < leaves is code · light[column] / subsamples²; ascending by column, then code.
   std::vector<std::uint16_t> leaf_columns;
   std::vector<std::uint8_t> leaf_codes;
-  // Entry leaves + i is the sum of entries sum_parts[2i] and sum_parts[2i + 1], which are before it.
+  // Entry leaves + i is the sum of entries sum_parts[2i] and sum_parts[2i + 1], which are before it. The first holds
+  // the sum's lowest column. Within a level by lowest column.
   std::vector<std::uint16_t> sum_parts;
   std::vector<std::uint32_t> level_ends;  // of a tile: how many sums there are up to each level
   std::vector<RowGroup> groups;
-  // Row by row, group by group: entries of the tile, whose sum is the row. Of a tile without leaves, which would gain nothing,
+  // Row by row, group by group: entries of the tile by their lowest columns, whose sum is the row. Of a tile without leaves, which would gain nothing,
   // columns instead, with a code each.
   std::vector<std::uint16_t> terms;
   std::vector<std::uint8_t> term_codes;
@@ -56,16 +51,4 @@ struct SumGrammar {
   std::size_t columnCount() const { return 6 * static_cast<std::size_t>(cube_side) * cube_side; }
 };
 
-// Value r of the result belongs to row row_places[r]. `light` has a value a texel, radiance × solid angle; sums are scaled by
-// 1 / subsamples². On all TBB threads, the same whatever their number. Throws std::invalid_argument for sizes that do not fit.
-void multiply(const SumGrammar& grammar, std::span<const Radiance4> light, std::span<Radiance4> values);
-
-// Where each row of the matrix is among the values; kNoValue for rows without an entry.
-inline constexpr std::uint32_t kNoValue = ~std::uint32_t{0};
-std::vector<std::uint32_t> valuePlaces(const SumGrammar& grammar);
-
-// The matrix itself with the light: value r is row r's.
-void multiply(const formats::PixelCodes& codes, std::span<const Radiance4> light,
-              std::span<Radiance4> values);
-
-}  // namespace bakelight::transport
+}  // namespace bakelight::formats
