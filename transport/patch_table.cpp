@@ -27,8 +27,12 @@ int wrapped(int i, int count) {
 
 }  // namespace
 
-Float2 reliefSlope(const Vec3& direction) {
-  const double z = std::max(direction.z(), double{kLeastReliefCosine});
+float leastReliefCosine(int views) {
+  return std::min(kLeastReliefCosine, static_cast<float>(hemisphereCell(views, 0, 0).z()));
+}
+
+Float2 reliefSlope(const Vec3& direction, float least_cosine) {
+  const double z = std::max(direction.z(), double{least_cosine});
   return {static_cast<float>(direction.x() / z), static_cast<float>(direction.y() / z)};
 }
 
@@ -38,6 +42,7 @@ PatchTable::PatchTable(const formats::FactoredPatch& source, const formats::Pack
       texel_width_(source.patch_width / static_cast<float>(source.width)),
       aspect_(static_cast<float>(source.width) / static_cast<float>(source.height)),
       repeats_(source.repeats),
+      least_cosine_(leastReliefCosine(source.views)),
       levels_(formats::rttLevels(source.width, source.height)),
       factors_(source.factors.decode()) {
   const std::size_t rows = formats::rttTexelCount(levels_) * viewCount();
@@ -50,7 +55,7 @@ PatchTable::PatchTable(const formats::FactoredPatch& source, const formats::Pack
   }
   for (int row = 0; row < source.views; ++row)
     for (int column = 0; column < source.views; ++column)
-      slopes_.push_back(reliefSlope(hemisphereCell(source.views, column, row)));
+      slopes_.push_back(reliefSlope(hemisphereCell(source.views, column, row), least_cosine_));
   if (image == nullptr) return;
   if (image->texels.columns != 2 || image->texels.precision != formats::Precision::kUint8)
     throw std::invalid_argument("an index has two channels of 8 bits");
@@ -98,7 +103,7 @@ std::array<PatchTable::View, 4> PatchTable::viewsAt(const RttLevel& level, const
     return found;
   }
   const GridPosition at = gridPosition(views_, to_eye);
-  const Float2 slope = reliefSlope(to_eye);
+  const Float2 slope = reliefSlope(to_eye, least_cosine_);
   const auto width = static_cast<float>(level.width), height = static_cast<float>(level.height);
   float total = 0;
   for (std::size_t k = 0; k < 4; ++k) {

@@ -45,7 +45,7 @@ class PatchTable {
 
   int views_;  // a side of the grid
   std::size_t components_;
-  float texel_width_, aspect_, repeats_;
+  float texel_width_, aspect_, repeats_, least_cosine_;
   std::vector<formats::RttLevel> levels_;
   std::vector<float> factors_;
   std::vector<float> heights_;  // in widths; empty without relief
@@ -64,7 +64,9 @@ inline constexpr int kReliefSteps = 3;
 inline constexpr float kLeastReliefCosine = 0.2F;
 inline constexpr float kUnseenReliefWeight = 1e-3F;
 
+// For a grid of views: kLeastReliefCosine, or that of its own flattest views.
+float leastReliefCosine(int views);
 // x/z and y/z of a direction, no flatter than that.
-formats::Float2 reliefSlope(const Vec3& direction);
+formats::Float2 reliefSlope(const Vec3& direction, float least_cosine);
 
 }  // namespace bakelight::transport

@@ -77,9 +77,9 @@ const std::uint16_t* addRowsOf(const Radiance4* table, const std::uint16_t* term
 
 class TileProduct {
  public:
-  // Of `codes` codes, or a multiplication a leaf if that is 1.
-  TileProduct(const SumGrammar& grammar, const Radiance4* light, int codes, Radiance4* values)
-      : grammar_(grammar), light_(light), codes_(codes), values_(values) {}
+  // `light` is lightByCode's if `tabled`; else leaves are multiplied by their codes.
+  TileProduct(const SumGrammar& grammar, const Radiance4* light, bool tabled, Radiance4* values)
+      : grammar_(grammar), light_(light), tabled_(tabled), values_(values) {}
 
   void operator()(std::size_t tile) const {
     const SumTile &begin = grammar_.tiles[tile], &end = grammar_.tiles[tile + 1];
@@ -110,7 +110,7 @@ class TileProduct {
   }
 
   Radiance4 leaf(std::uint16_t column, std::uint8_t code) const {
-    if (codes_ == 1) return light_[column] * static_cast<float>(code);
+    if (!tabled_) return light_[column] * static_cast<float>(code);
     return light_[(code - 1) * grammar_.columnCount() + column];
   }
 
@@ -128,7 +128,7 @@ class TileProduct {
 
   const SumGrammar& grammar_;
   const Radiance4* light_;
-  int codes_;
+  bool tabled_;
   Radiance4* values_;
 };
 
@@ -137,8 +137,11 @@ class TileProduct {
 void multiply(const SumGrammar& grammar, std::span<const Radiance4> light, std::span<Radiance4> values) {
   if (light.size() != grammar.columnCount() || values.size() != grammar.row_places.size())
     throw std::invalid_argument("light and values do not fit the matrix");
-  const std::vector<Radiance4> scaled = scaledLight(light, grammar.subsamples);
-  tbb::parallel_for(std::size_t{0}, grammar.tileCount(), TileProduct(grammar, scaled.data(), values.data()));
+  const bool tabled = grammar.subsamples <= kMostTabledSubsamples;
+  const std::vector<Radiance4> scaled =
+      tabled ? lightByCode(light, grammar.subsamples) : scaledLight(light, scaleOf(grammar.subsamples));
+  tbb::parallel_for(std::size_t{0}, grammar.tileCount(),
+                    TileProduct(grammar, scaled.data(), tabled, values.data()));
 }
 
 std::vector<std::uint32_t> valuePlaces(const SumGrammar& grammar) {
