@@ -35,7 +35,7 @@ struct FactoredPatch {
   EncodedTable factors;
   std::vector<float> basis;  // components × 3 (RGB) × incident values
   // Heights of what is seen, above the mid-plane in widths of the patch, one for each row of factors: views are then looked up
-  // along the relief (transport/patch_table.h) instead of all at one place. Nothing for what is flat, or not known.
+  // along the relief (transport/patch_lookup.h) instead of all at one place. Nothing for what is flat, or not known.
   std::optional<EncodedTable> heights;
 
   // Where in the patch the surface is. Channels "U", "V" by texture coordinates, 0–1, u to the right, v upwards: looked

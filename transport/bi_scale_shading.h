@@ -11,24 +11,12 @@
 #include "formats/rtt_reflection.h"
 #include "transport/glossy_evaluator.h"
 #include "transport/pack_shading.h"
-#include "transport/patch_table.h"
+#include "transport/patch_lookup.h"
 
 namespace bakelight::transport {
 
 // B of a Lambertian plane of albedo 1: A_l/π · √((2l+1)/4π) at m = 0. One component, one texel, one view.
 formats::RttReflection flatReflection(int order);
-
-// What a pixel covers on the surface, in texels of the finest level: log2, at least 0. By area: a slanted surface is
-// covered in one direction only, which neither is left to alias nor blurred in full.
-double rttLevelOf(double distance, double pixel_angle, double cosine, double texel_width);
-
-// The levels that are seen: `blend` of the one after `fine`. Between levels one is enough, and two are blended only about the
-// middle of the way: half of the look-ups, and no step that could be seen.
-struct RttLevels {
-  std::size_t fine = 0;
-  float blend = 0;
-};
-RttLevels rttLevelsAt(double level, std::size_t count);
 
 class BiScaleShading final : public PackShading {
  public:
@@ -45,15 +33,9 @@ class BiScaleShading final : public PackShading {
   void radianceAt(std::span<const SurfaceHit> hits, std::span<Float3> radiance) const override;
 
  private:
-  struct Surface;
-  // Of the components of a patch's factors.
-  struct Basis {
-    int order;
-    std::vector<float> values;  // components × 3 × order²
-  };
+  struct Patch;
 
   Float3 radianceAt(const SurfaceHit& hit) const;
-  Surface surfaceAt(const SurfaceHit& hit) const;
   void project(std::span<const Float3> transferred);
 
   int order_;
@@ -62,13 +44,12 @@ class BiScaleShading final : public PackShading {
   std::unique_ptr<const GlossyEvaluator> transfer_;
   std::size_t rows_;  // of transferred radiance
   std::vector<ShRotation>
-      local_from_object_;           // a vertex, for visibility, whose rows are in the object's frame
-  std::vector<PatchTable> tables_;  // by appearance
-  std::vector<Basis> bases_;        // by appearance
-  std::vector<formats::VertexRange> ranges_;  // by appearance
-  std::vector<Float3> vertex_albedo_;         // of Lambertian appearances; 1 elsewhere
-  std::size_t components_ = 0;                // the most that a patch has
-  std::vector<Float3> projected_;             // n × components_
+      local_from_object_;  // a vertex, for visibility, whose rows are in the object's frame
+  std::vector<std::shared_ptr<const Patch>> patches_;  // by appearance
+  std::vector<formats::VertexRange> ranges_;           // by appearance
+  std::vector<Float3> vertex_albedo_;                  // of Lambertian appearances; 1 elsewhere
+  std::size_t components_ = 0;                         // the most that a patch has
+  std::vector<Float3> projected_;                      // n × components_
   ViewPoint view_{Vec3(0, 0, 0)};
 };
 

@@ -20,6 +20,9 @@ SquarePoint squareFromHemisphere(const Vec3& direction);
 // The direction at the middle of cell (column, row) of `side` × `side`; rows count with b.
 Vec3 hemisphereCell(int side, int column, int row);
 
+// The mean of z over a cell. A grid's mean is exactly ½.
+double hemisphereCellCosine(int side, int column, int row);
+
 // The four cells around a direction and their weights, linear in the square. Beyond the middles of the
 // outermost cells the nearest are taken (8 × 8: above 76.5° from the zenith). column + 1 and row + 1 exist
 // unless side is 1.

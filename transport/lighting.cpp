@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "formats/error.h"
@@ -45,6 +46,19 @@ formats::Image imageOf(const ShLight& light, int order) {
   return image;
 }
 
+// DefaultLight as a rig has it.
+std::vector<formats::DistantLight> defaultSources() {
+  const DefaultLight light;
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  formats::DiskLight key, sky;
+  key.direction = float3(light.key_direction);
+  key.half_angle_deg = light.key_half_angle_rad * kDegrees;
+  key.radiance = light.key_radiance;
+  sky.half_angle_deg = 180;
+  sky.radiance = light.sky_radiance;
+  return {key, sky};
+}
+
 }  // namespace
 
 Lighting lightingFromImage(const formats::Image& image, int order, const std::string& file,
@@ -53,6 +67,10 @@ Lighting lightingFromImage(const formats::Image& image, int order, const std::st
   lighting.distant = projectLatLong(image, order, file);
   requireFinite(lighting.distant, file);
   lighting.backdrop = rgbImage(image, file);
+  formats::EnvironmentLight source;
+  source.path = file;
+  source.image = lighting.backdrop;
+  lighting.sources = {std::move(source)};
   applyWindow(lighting, windowing);
   return lighting;
 }
@@ -70,7 +88,7 @@ Lighting lightingFromRig(formats::LightRig rig, int order, const std::string& fi
     lighting.window = light.window;
     lighting.moved_energy = light.moved_energy;
   }
-  rig.distant.clear();
+  lighting.sources = std::exchange(rig.distant, {});
   lighting.near = std::move(rig);
   return lighting;
 }
@@ -79,6 +97,7 @@ Lighting defaultLighting(int order, double windowing) {
   Lighting lighting;
   lighting.distant = defaultLight(order);
   lighting.backdrop = imageOf(lighting.distant, order);
+  lighting.sources = defaultSources();
   applyWindow(lighting, windowing);
   return lighting;
 }

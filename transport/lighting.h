@@ -10,8 +10,10 @@
 namespace bakelight::transport {
 
 struct Lighting {
-  formats::Image backdrop;   // lat-long, channels R, G, B: the distant light as it is seen
-  ShLight distant;           // order² coefficients, after windowing
+  formats::Image backdrop;  // lat-long, channels R, G, B: the distant light as it is seen
+  ShLight distant;          // order² coefficients, after windowing
+  std::vector<formats::DistantLight>
+      sources;               // what `distant` stands for, for those who take it in other forms
   double window = 0;         // strength of the window against ringing that was used
   double moved_energy = 0;   // what it took away (transport/windowing.h)
   formats::LightRig near;    // emitters only

@@ -17,4 +17,15 @@ void turnAbout(const Vec3& center, const Eigen::Matrix3d& rotation, std::vector<
 ShLight nearLight(const formats::TriangleMesh& mesh, const LightNeeds& needs, const Lighting& lighting,
                   double time_s, const Eigen::Matrix3d& world_from_object);
 
+// The whole light for LightNeeds::cube_side, as PackShading::setCubeLight takes it: distant, turned by `object_from_light`, and
+// emitters as if from far away.
+std::vector<Float3> cubeLightOn(const formats::TriangleMesh& mesh, const LightNeeds& needs,
+                                const Lighting& lighting, const Eigen::Matrix3d& object_from_light,
+                                const Eigen::Matrix3d& world_from_object, double time_s);
+
+// Gives `shading` its light in the form that it needs, coefficients or a cube map: the two above.
+void lightShading(PackShading& shading, const formats::TriangleMesh& mesh, const Lighting& lighting,
+                  const Eigen::Matrix3d& object_from_light, const Eigen::Matrix3d& world_from_object,
+                  double time_s);
+
 }  // namespace bakelight::transport

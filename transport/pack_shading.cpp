@@ -4,10 +4,15 @@
 #include <stdexcept>
 #include <string>
 
+#include "transport/all_frequency_shading.h"
 #include "transport/bi_scale_shading.h"
 #include "transport/vertex_shading.h"
 
 namespace bakelight::transport {
+
+void PackShading::setCubeLight(std::span<const Float3>) {
+  throw std::logic_error("this technique's light is not a cube map");
+}
 
 std::vector<ShadingTechnique>& shadingTechniques() {
   static std::vector<ShadingTechnique> techniques = {
@@ -18,6 +23,10 @@ std::vector<ShadingTechnique>& shadingTechniques() {
       {"bi-scale", BiScaleShading::shades,
        [](const formats::Pack& pack) -> std::unique_ptr<PackShading> {
          return std::make_unique<BiScaleShading>(pack);
+       }},
+      {"all-frequency", AllFrequencyShading::shades,
+       [](const formats::Pack& pack) -> std::unique_ptr<PackShading> {
+         return std::make_unique<AllFrequencyShading>(pack);
        }},
   };
   return techniques;

@@ -25,6 +25,8 @@ struct LightNeeds {
   int sh_order = 0;  // bands of its projection into spherical harmonics; 0: none
   // Where near emitters are seen from (object space); nothing: from the centre of the mesh's bounding sphere.
   std::optional<Vec3> near_center = {};
+  // Texels along an edge of a cube map of it; 0: none. Then light comes by setCubeLight instead of setLight.
+  int cube_side = 0;
 };
 
 // Where a picture is seen from, in object space.
@@ -44,6 +46,9 @@ class PackShading {
   // Light change: `distant` in the object's frame, at least sh_order² coefficients; `near`, empty or as many,
   // is what `near_center` sees of near emitters. Throws std::invalid_argument for fewer.
   virtual void setLight(std::span<const Float3> distant, std::span<const Float3> near) = 0;
+  // Light change for those that need a cube map: mean radiance over each of its 6 · cube_side² texels, in the order of
+  // transport/cube_map.h and in the object's frame. Throws std::invalid_argument for another number, std::logic_error from those that do not need one.
+  virtual void setCubeLight(std::span<const Float3> radiance);
   // View change, or after a light change.
   virtual void setView(const ViewPoint& view) = 0;
   // Exit radiance of each hit towards the eye; black before the first setLight. From several threads at once.

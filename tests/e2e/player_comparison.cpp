@@ -94,13 +94,13 @@ CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& 
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(settings);
   const std::unique_ptr<transport::PackShading> shading = transport::makePackShading(pack);
   const transport::LightNeeds needs = shading->needs();
-  const transport::ShRotation rotation(needs.sh_order,
-                                       world_from_object.transpose() * transport::worldFromLight(settings));
   const auto nearLightAt = [&](double time_s, const Eigen::Matrix3d& turn) {
     return transport::nearLight(pack.mesh, needs, lighting, time_s, turn);
   };
   const Vec3 eye = world_from_object.transpose() * (camera.eye() - bounds.center) + bounds.center;
-  shading->setLight(rotation.apply(lighting.distant), nearLightAt(settings.time_s, world_from_object));
+  transport::lightShading(*shading, pack.mesh, lighting,
+                          world_from_object.transpose() * transport::worldFromLight(settings),
+                          world_from_object, settings.time_s);
   shading->setView({eye, camera.pixelAngle(settings.height_px * settings.supersampling)});
 
   formats::TriangleMesh scene_mesh;

@@ -14,7 +14,9 @@
 #include "transport/color.h"
 #include "transport/evaluator.h"
 #include "transport/glossy_evaluator.h"
+#include "transport/lighting.h"
 #include "transport/lights.h"
+#include "transport/near_light.h"
 
 namespace bakelight::inspect {
 
@@ -115,8 +117,10 @@ Preview previewColors(const TriangleMesh& mesh, const PreviewOptions& options, c
 Preview previewPack(const formats::Pack& pack, const PreviewOptions& options, const std::string& file) {
   const transport::OrbitCamera camera = cameraFor(pack.mesh, options, file);
   const std::unique_ptr<transport::PackShading> shading = transport::makePackShading(pack);
-  const transport::ShLight light = transport::defaultLight(std::max(shading->needs().sh_order, 1));
-  shading->setLight(light, {});
+  const transport::Lighting lighting = transport::defaultLighting(std::max(shading->needs().sh_order, 1));
+  const transport::ShLight& light = lighting.distant;
+  transport::lightShading(*shading, pack.mesh, lighting, Eigen::Matrix3d::Identity(),
+                          Eigen::Matrix3d::Identity(), 0);
   shading->setView({camera.eye(), camera.pixelAngle(options.size_px * kSupersampling)});
   const double exposure = exposureFor(light);
   return {render(pack.mesh, transport::radianceOf(*shading), camera, exposure, options),

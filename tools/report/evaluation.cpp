@@ -7,7 +7,6 @@
 
 #include "formats/error.h"
 #include "transport/color.h"
-#include "transport/sh.h"
 
 namespace bakelight::report {
 namespace {
@@ -205,7 +204,6 @@ void Evaluator::measureTimes(int rounds, Evaluation& evaluation, const std::func
   struct Candidate {
     std::unique_ptr<transport::PackShading> shading;
     Renderer::Conditions conditions;
-    int order;
   };
   std::vector<std::unique_ptr<Candidate>> candidates;
   std::vector<Measurement> measurements;
@@ -215,15 +213,12 @@ void Evaluator::measureTimes(int rounds, Evaluation& evaluation, const std::func
     auto shading = transport::makePackShading(pack);
     const transport::LightNeeds needs = shading->needs();
     candidates.push_back(std::make_unique<Candidate>(
-        Candidate{std::move(shading), renderer_->conditions(pack.mesh, needs, 0), needs.sh_order}));
+        Candidate{std::move(shading), renderer_->conditions(pack.mesh, needs, 0)}));
     measurements.push_back([candidate = candidates.back().get()](int round) {
       const Eigen::Matrix3d turn =
           Eigen::AngleAxisd(round * std::numbers::pi / 180, Vec3::UnitY()).toRotationMatrix();
       const Renderer::Conditions& conditions = candidate->conditions;
-      const double light_change_ms = millisecondsOf([&] {
-        const transport::ShRotation rotation(candidate->order, conditions.object_from_light * turn);
-        candidate->shading->setLight(rotation.apply(conditions.distant), conditions.near);
-      });
+      const double light_change_ms = millisecondsOf([&] { conditions.light(*candidate->shading, turn); });
       const double view_change_ms =
           millisecondsOf([&] { candidate->shading->setView(Vec3(turn * conditions.eye)); });
       return std::vector<double>{light_change_ms, view_change_ms};

@@ -18,9 +18,19 @@ Renderer::Conditions Renderer::conditions(const formats::TriangleMesh& mesh,
   const transport::Lighting& light = lighting(view, needs.sh_order);
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(frame);
   const transport::OrbitCamera& camera = cameras_[view];
-  return {light.distant, world_from_object.transpose() * transport::worldFromLight(frame),
-          transport::nearLight(mesh, needs, light, frame.time_s, world_from_object),
+  const Eigen::Matrix3d object_from_light = world_from_object.transpose() * transport::worldFromLight(frame);
+  std::vector<transport::Float3> cube;
+  if (needs.cube_side > 0)
+    cube = transport::cubeLightOn(mesh, needs, light, object_from_light, world_from_object, frame.time_s);
+  return {light.distant, object_from_light,
+          transport::nearLight(mesh, needs, light, frame.time_s, world_from_object), std::move(cube),
           world_from_object.transpose() * (camera.eye() - camera.target) + camera.target};
+}
+
+void Renderer::Conditions::light(transport::PackShading& shading, const Eigen::Matrix3d& turn) const {
+  const transport::LightNeeds needs = shading.needs();
+  if (needs.cube_side > 0) return shading.setCubeLight(cube);
+  shading.setLight(transport::ShRotation(needs.sh_order, object_from_light * turn).apply(distant), near);
 }
 
 std::vector<Picture> Renderer::picturesOf(const formats::Pack& pack) {
@@ -30,8 +40,7 @@ std::vector<Picture> Renderer::picturesOf(const formats::Pack& pack) {
   std::vector<Picture> pictures;
   for (std::size_t view = 0; view < plan_.views.size(); ++view) {
     const Conditions conditions = this->conditions(pack.mesh, needs, view);
-    const transport::ShRotation rotation(needs.sh_order, conditions.object_from_light);
-    shading->setLight(rotation.apply(conditions.distant), conditions.near);
+    conditions.light(*shading);
     shading->setView({conditions.eye, cameras_[view].pixelAngle(plan_.views[view].frame.height_px *
                                                                 plan_.views[view].frame.supersampling)});
     const transport::EmitterMesh emitters =

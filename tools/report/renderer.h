@@ -23,10 +23,15 @@ class Renderer {
 
   // What a PackShading is given in a view.
   struct Conditions {
-    transport::ShLight distant;         // as the light stands, of the order needed
-    Eigen::Matrix3d object_from_light;  // turns it into the object's frame
-    transport::ShLight near;            // in the object's frame; empty without emitters
-    transport::Vec3 eye;                // in the object's space
+    transport::ShLight distant;           // as the light stands, of the order needed
+    Eigen::Matrix3d object_from_light;    // turns it into the object's frame
+    transport::ShLight near;              // in the object's frame; empty without emitters
+    std::vector<transport::Float3> cube;  // all light in the object's frame, where a cube map is needed
+    transport::Vec3 eye;                  // in the object's space
+
+    // `turn` turns the light first; not of a cube map, which stays as it is.
+    void light(transport::PackShading& shading,
+               const Eigen::Matrix3d& turn = Eigen::Matrix3d::Identity()) const;
   };
   Conditions conditions(const formats::TriangleMesh& mesh, const transport::LightNeeds& needs,
                         std::size_t view);

@@ -10,7 +10,7 @@
 #include "tools/player/gl/gpu_timer.h"
 #include "tools/player/gl/surface_mesh.h"
 #include "transport/hemisphere_grid.h"
-#include "transport/patch_table.h"
+#include "transport/patch_lookup.h"
 
 namespace bakelight::player {
 namespace {

@@ -1,5 +1,5 @@
 // A surface that wears factored patches (formats/factored_patch.h): Σ_k factors_k(q, v) · projected_k of each pixel. What projects
-// light onto the components of each vertex is its techniques' business. transport::PatchTable looks patches up on the CPU.
+// light onto the components of each vertex is its techniques' business. transport::PatchLookup looks patches up on the CPU.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // B(q(u), v) · (M L) of a pixel (transport::BiScaleShading). Definitions: GROUPS; VIEWS, a side of the grid of views;
 // LEVELS of the pyramid; INDEX if an image says where in the patch a texel is; RELIEF_STEPS and its constants if views are looked
-// up along the relief (transport::PatchTable).
+// up along the relief (transport::PatchLookup).
 in vec3 surface_position, surface_normal;
 in vec4 surface_tangent;
 in vec2 surface_texcoord;

@@ -1,4 +1,4 @@
-#include "transport/patch_table.h"
+#include "transport/patch_lookup.h"
 
 #include <gtest/gtest.h>
 
@@ -40,17 +40,18 @@ RttReflection raisedPlane(double height) {
   return rtt;
 }
 
-float lookUp(const PatchTable& table, const Float2& place, const Vec3& to_eye) {
-  float sum = 0;
-  const formats::RttLevel& finest = table.levels().front();
-  for (const PatchTable::View& view : table.viewsAt(finest, place, to_eye))
-    if (view.weight > 0) table.add(finest, view, view.weight, {&sum, 1});
-  return sum;
+float lookUp(const PatchLookup& lookup, const Float2& place, const Vec3& to_eye) {
+  SeenPoint point;
+  point.texcoord = {place[0], place[1] * kHeight / kWidth};
+  point.to_eye = to_eye;
+  float factor = 0;
+  lookup.factorsAt(point, 0, {&factor, 1});
+  return factor;
 }
 
 // Over directions between those of the grid and places all over the patch.
 double worstOf(const RttReflection& rtt, double height) {
-  const PatchTable table(rtt, nullptr);
+  const PatchLookup lookup(rtt, nullptr);
   double worst = 0;
   for (const double polar : {0.0, 20.0, 40.0, 60.0, 70.0})
     for (const double azimuth : {10.0, 80.0, 200.0, 290.0})
@@ -60,7 +61,7 @@ double worstOf(const RttReflection& rtt, double height) {
         const Float2 place = {static_cast<float>((i % 8 + 0.3) / 8), static_cast<float>((i / 8 + 0.7) / 8)};
         const double seen = pattern(place[0] + height * eye.x() / eye.z(),
                                     place[1] + height * eye.y() / eye.z() * kWidth / kHeight);
-        worst = std::max(worst, std::abs(lookUp(table, place, eye) - seen));
+        worst = std::max(worst, std::abs(lookUp(lookup, place, eye) - seen));
       }
   return worst;
 }
@@ -68,7 +69,7 @@ double worstOf(const RttReflection& rtt, double height) {
 // Each view is rounded to its nearest texel: half of one, on a pattern whose slope is 2π.
 constexpr double kRounding = std::numbers::pi * (1.0 / kWidth + 1.0 / kHeight) + 1e-3;
 
-TEST(PatchTable, LooksAlongTheRelief) {
+TEST(PatchLookup, LooksAlongTheRelief) {
   for (const double height : {-0.1, 0.05, 0.15}) {
     RttReflection rtt = raisedPlane(height);
     EXPECT_LT(worstOf(rtt, height), kRounding) << height;
@@ -79,7 +80,7 @@ TEST(PatchTable, LooksAlongTheRelief) {
 }
 
 // A step down, whose edge hides from some views what others see: they count for next to nothing, and all weights sum to 1.
-TEST(PatchTable, ViewsThatDoNotSeeThePointGiveWay) {
+TEST(PatchLookup, ViewsThatDoNotSeeThePointGiveWay) {
   RttReflection rtt = tests::madeRtt(1, kViews, kWidth, kHeight, 1);
   std::vector<float> heights;
   for (const formats::RttLevel& level : formats::rttLevels(kWidth, kHeight))
@@ -92,14 +93,14 @@ TEST(PatchTable, ViewsThatDoNotSeeThePointGiveWay) {
           heights.push_back(top - std::floor(top) < 0.5 ? 0.2F : 0.0F);
         }
   rtt.heights = formats::encodeTable(heights, 1, formats::Precision::kFloat32, "made", "heights");
-  const PatchTable table(rtt, nullptr);
-  const formats::RttLevel& finest = table.levels().front();
+  const PatchLookup lookup(rtt, nullptr);
+  const formats::RttLevel& finest = lookup.finestLevel();
   int settled = 0, hidden = 0;
   for (int i = 0; i < 100; ++i) {
     const Vec3 eye = Vec3(-0.55, 0.05, 1).normalized();
     const Float2 place = {static_cast<float>((i + 0.5) / 100), 0.5F};
     float total = 0, least = 1, most = 0;
-    for (const PatchTable::View& view : table.viewsAt(finest, place, eye)) {
+    for (const PatchLookup::View& view : lookup.viewsAt(finest, place, eye)) {
       total += view.weight;
       least = std::min(least, view.weight), most = std::max(most, view.weight);
     }
@@ -111,11 +112,11 @@ TEST(PatchTable, ViewsThatDoNotSeeThePointGiveWay) {
   EXPECT_GT(settled, 60);
 }
 
-TEST(PatchTable, RefusesTablesOfAnotherSize) {
+TEST(PatchLookup, RefusesTablesOfAnotherSize) {
   RttReflection rtt = raisedPlane(0.1);
   rtt.heights->rows -= 1;
   rtt.heights->data = formats::Bytes(rtt.heights->rows * 4);
-  EXPECT_THROW(PatchTable(rtt, nullptr), std::invalid_argument);
+  EXPECT_THROW(PatchLookup(rtt, nullptr), std::invalid_argument);
 }
 
 }  // namespace
