@@ -9,6 +9,7 @@
 #include <string>
 
 #include "transport/morton.h"
+#include "transport/sum_product.h"
 
 namespace bakelight::bicluster {
 namespace {
@@ -195,10 +196,13 @@ std::uint64_t reconstructionErrors(const formats::SumGrammar& grammar, const for
 Operations operationsOf(const formats::SumGrammar& grammar) {
   Operations operations;
   const int full = grammar.subsamples * grammar.subsamples;
-  const auto scaled = static_cast<std::uint64_t>(std::count_if(
-      grammar.leaf_codes.begin(), grammar.leaf_codes.end(), [&](std::uint8_t code) { return code != full; }));
-  operations.counted =
-      scaled + grammar.sum_parts.size() / 2 + grammar.terms.size() + grammar.term_codes.size();
+  const bool tabled = grammar.subsamples <= transport::kMostTabledSubsamples;
+  const std::uint64_t scaled =
+      tabled ? (full - 1) * grammar.columnCount()
+             : static_cast<std::uint64_t>(std::count_if(grammar.leaf_codes.begin(), grammar.leaf_codes.end(),
+                                                        [&](std::uint8_t code) { return code != full; }));
+  operations.counted = scaled + grammar.sum_parts.size() / 2 + grammar.terms.size();
+  if (!tabled) operations.counted += grammar.term_codes.size();
   operations.executed = operations.counted - grammar.row_places.size();
   return operations;
 }
