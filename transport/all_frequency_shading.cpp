@@ -29,6 +29,35 @@ formats::BtfReflection flatBtf(int lights) {
   return flat;
 }
 
+std::vector<Float3> texelLight(std::span<const Float3> radiance, int cube_side, int subsamples) {
+  std::vector<Float3> light(radiance.size());
+  for (std::size_t i = 0; i < light.size(); ++i) {
+    const auto within = static_cast<int>(i) % (cube_side * cube_side);
+    const double weight = cubeTexelSolidAngle(within % cube_side, within / cube_side, cube_side) /
+                          (static_cast<double>(subsamples) * subsamples);
+    for (std::size_t c = 0; c < 3; ++c) light[i][c] = static_cast<float>(radiance[i][c] * weight);
+  }
+  return light;
+}
+
+std::vector<std::uint8_t> creasedTriangles(const formats::TriangleMesh& mesh,
+                                           std::span<const formats::Float4> tangents,
+                                           double crease_angle_deg) {
+  const double least_cosine = std::cos(crease_angle_deg * std::numbers::pi / 180);
+  std::vector<std::uint8_t> creased(mesh.triangleCount(), 0);
+  const auto tangentOf = [&](std::uint32_t v) {
+    return Vec3(tangents[v][0], tangents[v][1], tangents[v][2]);
+  };
+  for (std::size_t t = 0; t < creased.size(); ++t)
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const std::uint32_t a = mesh.triangles[t][corner], b = mesh.triangles[t][(corner + 1) % 3];
+      const double cosine =
+          std::min(vec3(mesh.normals[a]).dot(vec3(mesh.normals[b])), tangentOf(a).dot(tangentOf(b)));
+      if (cosine < least_cosine - 1e-6 || tangents[a][3] != tangents[b][3]) creased[t] = 1;
+    }
+  return creased;
+}
+
 struct AllFrequencyShading::Patch {
   PatchLookup lookup;
   std::vector<float> basis;  // components × 3 × cells
@@ -87,23 +116,7 @@ AllFrequencyShading::AllFrequencyShading(const formats::Pack& pack)
   }
   light_.assign(transfer_.view().columnCount(), Float3{0, 0, 0});
   projected_.assign(vertices * components_, Float3{0, 0, 0});
-  findCreases(transfer.crease_angle);
-}
-
-// By normals and by tangents, whichever differ more.
-void AllFrequencyShading::findCreases(double crease_angle_deg) {
-  const double least_cosine = std::cos(crease_angle_deg * std::numbers::pi / 180);
-  creased_.assign(mesh_.triangleCount(), 0);
-  const auto tangentOf = [&](std::uint32_t v) {
-    return Vec3(tangents_[v][0], tangents_[v][1], tangents_[v][2]);
-  };
-  for (std::size_t t = 0; t < creased_.size(); ++t)
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      const std::uint32_t a = mesh_.triangles[t][corner], b = mesh_.triangles[t][(corner + 1) % 3];
-      const double cosine =
-          std::min(vec3(mesh_.normals[a]).dot(vec3(mesh_.normals[b])), tangentOf(a).dot(tangentOf(b)));
-      if (cosine < least_cosine - 1e-6 || tangents_[a][3] != tangents_[b][3]) creased_[t] = 1;
-    }
+  creased_ = creasedTriangles(mesh_, tangents_, transfer.crease_angle);
 }
 
 LightNeeds AllFrequencyShading::needs() const {
@@ -138,13 +151,7 @@ void AllFrequencyShading::setCubeLight(std::span<const Float3> radiance) {
   const formats::PixelCodes codes = transfer_.view();
   if (radiance.size() != light_.size())
     throw std::invalid_argument("the light has another number of texels than the pack's transfer");
-  const int side = codes.cube_side;
-  for (std::size_t i = 0; i < light_.size(); ++i) {
-    const auto within = static_cast<int>(i) % (side * side);
-    const double weight = cubeTexelSolidAngle(within % side, within / side, side) /
-                          (static_cast<double>(codes.subsamples) * codes.subsamples);
-    for (std::size_t c = 0; c < 3; ++c) light_[i][c] = static_cast<float>(radiance[i][c] * weight);
-  }
+  light_ = texelLight(radiance, codes.cube_side, codes.subsamples);
   const std::size_t cells = static_cast<std::size_t>(codes.local_side) * codes.local_side;
   for (std::size_t a = 0; a < ranges_.size(); ++a)
     tbb::parallel_for(ranges_[a].first, ranges_[a].end, [&](std::size_t v) {

@@ -21,6 +21,15 @@ namespace bakelight::transport {
 // A Lambertian plane of albedo 1: the mean cosine of each cell over π. One component, one texel, one view.
 formats::BtfReflection flatBtf(int lights);
 
+// Light of each texel for transfer in a pixel basis: `radiance`, its mean, × solid angle ÷ subsamples².
+std::vector<Float3> texelLight(std::span<const Float3> radiance, int cube_side, int subsamples);
+
+// 1 for each triangle whose corners' frames differ by more than the angle, by normals or tangents, or by their handedness: nothing
+// is interpolated across it, and what is nearest to a corner by barycentric coordinates has that corner's frame and light.
+std::vector<std::uint8_t> creasedTriangles(const formats::TriangleMesh& mesh,
+                                           std::span<const formats::Float4> tangents,
+                                           double crease_angle_deg);
+
 class AllFrequencyShading final : public PackShading {
  public:
   // Transfer in a pixel basis, and reflections that are BTFs or Lambertian.
@@ -44,7 +53,6 @@ class AllFrequencyShading final : public PackShading {
 
   Float3 radianceAt(const SurfaceHit& hit) const;
   std::array<float, 3> frameWeights(const SurfaceHit& hit) const;
-  void findCreases(double crease_angle_deg);
 
   formats::TriangleMesh mesh_;
   formats::PixelTransferRows transfer_;

@@ -207,4 +207,26 @@ std::vector<Float3> cubeLight(std::span<const formats::DistantLight> lights, int
   return gatherer.radiance();
 }
 
+int cubeResolutionFor(int side, int resolution_px) {
+  return side * std::max(1, (resolution_px + side - 1) / side);
+}
+
+void addCubeMap(const formats::Image& strip, int side, std::span<Float3> radiance) {
+  const int block = strip.height / side;
+  for (int face = 0; face < kCubeFaces; ++face)
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) {
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        for (int j = y * block; j < (y + 1) * block; ++j)
+          for (int i = x * block; i < (x + 1) * block; ++i) {
+            const float* texel = strip.texel(face * side * block + i, j);
+            sum += cubeTexelSolidAngle(i, j, side * block) * Eigen::Vector3d(texel[0], texel[1], texel[2]);
+          }
+        sum /= cubeTexelSolidAngle(x, y, side);
+        Float3& target = radiance[static_cast<std::size_t>((face * side + y) * side + x)];
+        for (std::size_t c = 0; c < 3; ++c)
+          target[c] += static_cast<float>(sum[static_cast<Eigen::Index>(c)]);
+      }
+}
+
 }  // namespace bakelight::transport

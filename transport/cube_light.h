@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "formats/image.h"
 #include "formats/light_rig.h"
 #include "transport/vector_types.h"
 
@@ -18,5 +19,11 @@ namespace bakelight::transport {
 // points.
 std::vector<Float3> cubeLight(std::span<const formats::DistantLight> lights, int side,
                               const Eigen::Matrix3d& object_from_light);
+
+// Adds a cube map, a strip 6:1 of faces of channels R, G, B whose resolution is a multiple of `side`: means over blocks of texels by their
+// solid angles.
+void addCubeMap(const formats::Image& strip, int side, std::span<Float3> radiance);
+// The least such resolution from `resolution_px` on.
+int cubeResolutionFor(int side, int resolution_px);
 
 }  // namespace bakelight::transport

@@ -26,24 +26,6 @@ formats::Image emitterCube(const formats::TriangleMesh& mesh, const LightNeeds& 
   return renderEmitterCube(emitters, needs.near_center.value_or(bounds.center), resolution_px);
 }
 
-// Means of blocks of texels, by their solid angles.
-void addBlocks(const formats::Image& strip, int side, int block, std::vector<Float3>& radiance) {
-  for (int face = 0; face < kCubeFaces; ++face)
-    for (int y = 0; y < side; ++y)
-      for (int x = 0; x < side; ++x) {
-        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-        for (int j = y * block; j < (y + 1) * block; ++j)
-          for (int i = x * block; i < (x + 1) * block; ++i) {
-            const float* texel = strip.texel(face * side * block + i, j);
-            sum += cubeTexelSolidAngle(i, j, side * block) * Eigen::Vector3d(texel[0], texel[1], texel[2]);
-          }
-        sum /= cubeTexelSolidAngle(x, y, side);
-        Float3& target = radiance[static_cast<std::size_t>((face * side + y) * side + x)];
-        for (std::size_t c = 0; c < 3; ++c)
-          target[c] += static_cast<float>(sum[static_cast<Eigen::Index>(c)]);
-      }
-}
-
 }  // namespace
 
 ShLight nearLight(const formats::TriangleMesh& mesh, const LightNeeds& needs, const Lighting& lighting,
@@ -60,9 +42,9 @@ std::vector<Float3> cubeLightOn(const formats::TriangleMesh& mesh, const LightNe
   const int side = needs.cube_side;
   std::vector<Float3> radiance = cubeLight(lighting.sources, side, object_from_light);
   if (lighting.near.emitters.empty()) return radiance;
-  const int block = std::max(1, (lighting.cube_resolution + side - 1) / side);
-  addBlocks(emitterCube(mesh, needs, lighting, time_s, world_from_object, side * block), side, block,
-            radiance);
+  addCubeMap(emitterCube(mesh, needs, lighting, time_s, world_from_object,
+                         cubeResolutionFor(side, lighting.cube_resolution)),
+             side, radiance);
   return radiance;
 }
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "formats/btf_reflection.h"
 #include "formats/image.h"
 #include "formats/light_rig_file.h"
 #include "formats/pack.h"
@@ -88,7 +89,7 @@ void append(formats::TriangleMesh& mesh, const formats::TriangleMesh& other) {
 
 // `shift` moves hits within their triangles.
 CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& lighting,
-                          const formats::FrameSettings& settings, float shift) {
+                          const formats::FrameSettings& settings, const formats::Float2& shift) {
   const auto bounds = transport::boundingSphere(pack.mesh);
   const auto camera = transport::frameCamera(settings, bounds);
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(settings);
@@ -120,8 +121,8 @@ CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& 
     for (std::size_t i = 0; i < hits.size(); ++i) {
       transport::SurfaceHit hit = hits[i];
       if (hit.triangle < object_triangles) {
-        hit.u += shift;
-        hit.v += shift;
+        hit.u += shift[0];
+        hit.v += shift[1];
         shading->radianceAt({&hit, 1}, radiance.subspan(i, 1));
       } else {
         hit.triangle -= object_triangles;
@@ -168,11 +169,13 @@ std::vector<bool> pixelsOnTexelEdges(const formats::Pack& pack, const transport:
                                      const formats::FrameSettings& settings, const formats::Image& display) {
   std::vector<bool> result(static_cast<std::size_t>(display.width) * display.height, false);
   const auto isTextured = [](const formats::Appearance& appearance) {
-    return appearance.reflection.as<formats::RttReflection>() != nullptr;
+    return appearance.reflection.as<formats::RttReflection>() != nullptr ||
+           appearance.reflection.as<formats::BtfReflection>() != nullptr;
   };
   if (std::none_of(pack.appearances.begin(), pack.appearances.end(), isTextured)) return result;
-  constexpr float kHair = 5e-4F;  // of a triangle
-  for (const float shift : {-kHair, kHair}) {
+  constexpr float kHair = 1e-3F;  // of a triangle
+  for (const formats::Float2& shift :
+       {formats::Float2{-kHair, -kHair}, {kHair, kHair}, {-kHair, kHair}, {kHair, -kHair}}) {
     const formats::Image moved = renderFrameOnCpu(pack, lighting, settings, shift).display;
     for (std::size_t i = 0; i < result.size(); ++i)
       if (largestCodeDifference(&moved.values[4 * i], &display.values[4 * i]) > 1) result[i] = true;
@@ -199,18 +202,19 @@ PlayerComparison comparePlayerWithCpu(const fs::path& player_executable, const f
   const formats::Image played = formats::readImage(picture_path);
 
   const formats::Pack pack = formats::readPack(pack_path);
-  transport::Lighting lighting =
-      transport::lightingFor(formats::readLights(lights.environment_path, lights.rig_path, lights.windowing),
-                             pack.sh().order, lights.rig_path.string());
+  transport::Lighting lighting = transport::lightingFor(
+      formats::readLights(lights.environment_path, lights.rig_path, lights.windowing),
+      std::max(transport::makePackShading(pack)->needs().sh_order, 1), lights.rig_path.string());
   lighting.cube_resolution = lights.cube_resolution;
-  const CpuFrame cpu = renderFrameOnCpu(pack, lighting, settings, 0);
+  const CpuFrame cpu = renderFrameOnCpu(pack, lighting, settings, {0, 0});
   const std::vector<bool> on_edges = pixelsOnTexelEdges(pack, lighting, settings, cpu.display);
   formats::writePng(folder / "cpu.png", cpu.display);
   if (played.width != cpu.display.width || played.height != cpu.display.height || played.channelCount() != 4)
     throw std::runtime_error(picture_path.string() + " has another size than was asked for");
 
   PlayerComparison result;
-  result.allowed_difference = storageOf(pack.sh()) == formats::Storage::kNone ? 1 : 2;
+  const auto* sh = pack.transfer.as<formats::ShTransfer>();
+  result.allowed_difference = sh != nullptr && storageOf(*sh) == formats::Storage::kNone ? 1 : 2;
   result.pixels = cpu.silhouette.size();
   for (int y = 0; y < played.height; ++y)
     for (int x = 0; x < played.width; ++x) {

@@ -9,6 +9,7 @@
 #include "formats/image.h"
 #include "formats/pack.h"
 #include "tests/e2e/made_packs.h"
+#include "tests/support/made_pixel_pack.h"
 #include "tests/support/made_rtt.h"
 #include "transport/lights.h"
 #include "transport/texture_frames.h"
@@ -93,6 +94,34 @@ TEST_F(PlayerAgainstCpu, RadianceTransferTextures) {
       formats::reflectionOf(pack) = rtt;
       compare(pack, kSmall, sky());
     }
+}
+
+// Transfer in a pixel basis with BTFs: frames that turn and change hands from vertex to vertex, so that every triangle has a crease,
+// and smooth ones; relief and none; a sun in one texel of the light, and emitters near by.
+TEST_F(PlayerAgainstCpu, TransferInAPixelBasis) {
+  for (const bool creased : {true, false}) {
+    SCOPED_TRACE(creased);
+    formats::Pack pack = wavyPack(3, 24);
+    addSphericalTexcoords(pack.mesh);
+    formats::PixelTransfer transfer = madePixelTransfer(pack.mesh, 8);
+    formats::BtfReflection btf = madeBtf(4, 4, 8, 6, creased ? 5 : 21);
+    btf.repeats = 3;
+    if (creased) {
+      btf.index = madeIndex(64, 32);
+      btf.heights.reset();
+    } else {
+      transfer.tangents = transport::textureFrames(pack.mesh).tangents;
+      for (formats::Float4& tangent : transfer.tangents) tangent[3] = 1;  // at the seam, too
+    }
+    pack.transfer = transfer;
+    formats::reflectionOf(pack) = btf;
+    compare(pack, kSmall, sky());
+    PlayerLights near = rig(R"({"units": "object",
+      "lights": [{"type": "disk", "direction": [1, 2, 0.5], "half_angle_deg": 2, "radiance": [300, 250, 200]}],
+      "emitters": [{"shape": "sphere", "position": [1, 1.5, 1], "radius": 0.4, "radiance": [6, 8, 12]}]})");
+    near.cube_resolution = 256;
+    compare(pack, kSmall, near);
+  }
 }
 
 TEST_F(PlayerAgainstCpu, DefaultFrame) {

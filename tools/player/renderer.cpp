@@ -7,6 +7,7 @@
 
 #include "tools/player/gl/gl_context.h"
 #include "tools/player/gl/gpu_timer.h"
+#include "transport/cube_light.h"
 
 namespace bakelight::player {
 namespace {
@@ -19,9 +20,12 @@ int orderOf(const transport::LightNeeds& needs) {
 std::optional<NearFieldLights> nearLights(const transport::BoundingSphere& bounds,
                                           const transport::LightNeeds& needs, transport::Lighting& lighting) {
   if (lighting.near.emitters.empty()) return std::nullopt;
+  const int resolution = needs.cube_side > 0
+                             ? transport::cubeResolutionFor(needs.cube_side, lighting.cube_resolution)
+                             : lighting.cube_resolution;
   return std::optional<NearFieldLights>(std::in_place, std::move(lighting.near), bounds,
                                         needs.near_center.value_or(bounds.center), orderOf(needs),
-                                        lighting.cube_resolution);
+                                        resolution);
 }
 
 Eigen::Matrix3d objectFromLight(const formats::FrameSettings& settings) {
@@ -49,6 +53,8 @@ Renderer::Renderer(const formats::Pack& pack, transport::Lighting lighting, cons
       backdrop_(lighting.backdrop) {
   if (distant_.size() < static_cast<std::size_t>(transport::coefficientCount(order_)))
     throw std::invalid_argument("the light has fewer bands than the pack's technique needs");
+  if (const int side = technique.needs(pack).cube_side; side > 0)
+    cube_ = CubeLight{side, std::move(lighting.sources)};
   if (near_lights_) {
     near_lights_->project(Eigen::Matrix3d::Identity());
     exposure_light_ = transport::sum(distant_, near_lights_->readLight());
@@ -56,6 +62,7 @@ Renderer::Renderer(const formats::Pack& pack, transport::Lighting lighting, cons
 }
 
 void Renderer::light() {
+  if (cube_) return;  // it is evaluated where it changes
   technique_->setLight(distant_light_, near_lights_ ? &near_lights_->light() : nullptr);
 }
 
@@ -64,6 +71,7 @@ void Renderer::updateLight(const formats::FrameSettings& settings) {
   const transport::ShRotation rotation(order_, evaluated_.object_from_light);
   setLight(distant_light_, rotation.apply(distant_));
   light();
+  updateCubeLight(settings);
 }
 
 void Renderer::updateNearLight(const formats::FrameSettings& settings) {
@@ -74,12 +82,23 @@ void Renderer::updateNearLight(const formats::FrameSettings& settings) {
   near_lights_->project(evaluated_.world_from_object);
 }
 
+void Renderer::updateCubeLight(const formats::FrameSettings& settings) {
+  if (!cube_) return;
+  std::vector<transport::Float3> radiance =
+      transport::cubeLight(cube_->sources, cube_->side, objectFromLight(settings));
+  if (near_lights_) transport::addCubeMap(near_lights_->readCube(), cube_->side, radiance);
+  technique_->setCubeLight(radiance);
+}
+
 void Renderer::updateStaleLights(const formats::FrameSettings& settings) {
+  bool near_is_new = false;
   if (near_lights_ && (evaluated_.time_s != settings.time_s ||
                        evaluated_.world_from_object != transport::worldFromObject(settings)))
-    updateNearLight(settings);
+    updateNearLight(settings), near_is_new = true;
   if (evaluated_.object_from_light != objectFromLight(settings))
     updateLight(settings);
+  else if (near_is_new)
+    light(), updateCubeLight(settings);
   else
     light();
 }

@@ -52,8 +52,15 @@ class Renderer {
     double time_s = 0;
   };
 
+  // For techniques whose light is a cube map.
+  struct CubeLight {
+    int side;
+    std::vector<formats::DistantLight> sources;
+  };
+
   Renderer(const formats::Pack& pack, transport::Lighting lighting, const PlayedTechnique& technique);
   void light();
+  void updateCubeLight(const formats::FrameSettings& settings);
   void updateStaleLights(const formats::FrameSettings& settings);
   void drawBodies(const transport::OrbitCamera& camera, const Eigen::Matrix3d& world_from_object) const;
 
@@ -61,6 +68,7 @@ class Renderer {
   int order_;
   transport::ShLight distant_;         // in its own frame
   transport::ShLight exposure_light_;  // see transport::exposureFactor
+  std::optional<CubeLight> cube_;
   GpuLight distant_light_;
   std::optional<NearFieldLights> near_lights_;
   SurfaceMesh mesh_;

@@ -17,6 +17,7 @@ extern const ShaderSource kVisibilityComp;
 extern const ShaderSource kClusterComp;
 extern const ShaderSource kSumLightsComp;
 extern const ShaderSource kGlossyComp;
+extern const ShaderSource kPixelTransferComp;
 extern const ShaderSource kPatchProjectComp;
 extern const ShaderSource kPatchSurfaceVert;
 extern const ShaderSource kPatchSurfaceFrag;

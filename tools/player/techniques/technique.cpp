@@ -1,13 +1,19 @@
 #include "tools/player/techniques/technique.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <string>
 
 #include "formats/error.h"
+#include "tools/player/techniques/all_frequency.h"
 #include "tools/player/techniques/bi_scale.h"
 #include "tools/player/techniques/vertex_radiance.h"
 
 namespace bakelight::player {
+
+void Technique::setCubeLight(std::span<const formats::Float3>) {
+  throw std::logic_error("this technique takes no cube map of light");
+}
 
 std::vector<PlayedTechnique>& techniques() {
   static std::vector<PlayedTechnique> techniques = {
@@ -18,6 +24,10 @@ std::vector<PlayedTechnique>& techniques() {
       {"bi-scale", BiScale::plays, BiScale::needs,
        [](const formats::Pack& pack, const SurfaceMesh& mesh, bool near_light) -> std::unique_ptr<Technique> {
          return std::make_unique<BiScale>(pack, mesh, near_light);
+       }},
+      {"all-frequency", AllFrequency::plays, AllFrequency::needs,
+       [](const formats::Pack& pack, const SurfaceMesh& mesh, bool) -> std::unique_ptr<Technique> {
+         return std::make_unique<AllFrequency>(pack, mesh);
        }},
   };
   return techniques;

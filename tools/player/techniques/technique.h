@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <Eigen/Core>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "formats/pack_contents.h"
@@ -22,6 +23,9 @@ class Technique {
   // sees of them. Lights whose revision is the same as before need not be evaluated again. Both outlive the
   // technique.
   virtual void setLight(const GpuLight& distant, const GpuLight* near) = 0;
+  // Light change for those whose LightNeeds ask for a cube map, in place of setLight: transport::PackShading::setCubeLight. Throws
+  // std::logic_error from those that do not.
+  virtual void setCubeLight(std::span<const formats::Float3> radiance);
   // In every frame, and after a light change.
   virtual void lookFrom(const transport::ViewPoint& view) = 0;
   // Exit radiance towards that eye, linear, with alpha 1, into the framebuffer that is bound, by depth test:

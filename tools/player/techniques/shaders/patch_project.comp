@@ -8,6 +8,10 @@ layout(std430, binding = 3) writeonly buffer Projected { vec4 projected[]; };   
 
 layout(std430, binding = 1) readonly buffer Basis { vec4 basis[]; };  // INCIDENT × RGB × GROUPS
 
+#ifdef BLOCKS
+layout(std430, binding = 4) readonly buffer Blocks { uint block[]; };  // which row of `transferred` is a vertex's
+#endif
+
 layout(location = 0) uniform uint vertex_end;  // in the bound range
 layout(location = 1) uniform uint vertex_first;
 layout(location = 2) uniform uint first_group;
@@ -17,11 +21,16 @@ layout(location = 4) uniform uint output_coefficients;
 void main() {
   uint vertex = vertex_first + gl_GlobalInvocationID.x;
   if (vertex >= vertex_end) return;
+#ifdef BLOCKS
+  uint row = block[vertex];
+#else
+  uint row = vertex;
+#endif
   vec4 sum[3 * GROUPS];
   for (uint k = 0u; k < 3u * uint(GROUPS); ++k) sum[k] = vec4(0.0);
   for (uint i = 0u; i < INCIDENT; ++i)
     for (uint c = 0u; c < 3u; ++c) {
-      float incident = transferred[(vertex * output_coefficients + i) * 3u + c];
+      float incident = transferred[(row * output_coefficients + i) * 3u + c];
       for (uint g = 0u; g < uint(GROUPS); ++g) sum[3u * g + c] += incident * basis[(i * 3u + c) * uint(GROUPS) + g];
     }
   for (uint g = 0u; g < uint(GROUPS); ++g)

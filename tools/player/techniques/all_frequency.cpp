@@ -1,0 +1,285 @@
+#include "tools/player/techniques/all_frequency.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "formats/btf_reflection.h"
+#include "formats/error.h"
+#include "tools/player/gl/gl_context.h"
+#include "tools/player/gl/gl_program.h"
+#include "tools/player/gl/gpu_table.h"
+#include "tools/player/gl/gpu_timer.h"
+#include "transport/all_frequency_shading.h"
+
+namespace bakelight::player {
+namespace {
+
+using formats::BtfReflection;
+using formats::Float3;
+using formats::Float4;
+
+constexpr std::size_t kMostRowsBytes = std::size_t{64} << 20;  // of entries in one buffer
+
+Buffer bufferOf(const auto& values) {
+  return makeBuffer(values.size() * sizeof(values[0]), values.data());
+}
+
+// The mesh as it is drawn: triangles across creases in three parts, each with the frame and the light of its corner.
+struct DrawnMesh {
+  formats::TriangleMesh mesh;
+  std::vector<Float4> tangents;
+  std::vector<std::uint32_t> blocks;
+  std::vector<Float3> albedo;
+  std::vector<formats::VertexRange> ranges;  // by appearance
+};
+
+class MeshDrawer {
+ public:
+  MeshDrawer(const formats::Pack& pack, const formats::PixelTransfer& transfer)
+      : pack_(pack),
+        transfer_(transfer),
+        creased_(transport::creasedTriangles(pack.mesh, transfer.tangents, transfer.crease_angle)) {}
+
+  DrawnMesh drawn() {
+    const std::vector<formats::VertexRange> ranges = formats::appearanceRanges(pack_);
+    for (std::size_t a = 0; a < ranges.size(); ++a) {
+      const std::size_t first = drawn_.mesh.positions.size();
+      const bool lambert = pack_.appearances[a].reflection.as<BtfReflection>() == nullptr;
+      appearance_albedo_ = lambert ? pack_.appearances[a].base_color : Float3{1, 1, 1};
+      colored_ = lambert && !pack_.colors.empty();
+      for (std::size_t v = ranges[a].first; v < ranges[a].end; ++v) add(static_cast<std::uint32_t>(v));
+      for (std::size_t t = 0; t < pack_.mesh.triangleCount(); ++t) {
+        const auto material = pack_.mesh.triangle_materials.empty() ? 0 : pack_.mesh.triangle_materials[t];
+        if (material != a) continue;
+        const auto moved = static_cast<std::uint32_t>(first - ranges[a].first);
+        const auto& [i, j, k] = pack_.mesh.triangles[t];
+        if (creased_[t] != 0)
+          addParts(pack_.mesh.triangles[t], static_cast<std::uint32_t>(a));
+        else
+          addTriangle({i + moved, j + moved, k + moved}, static_cast<std::uint32_t>(a));
+      }
+      drawn_.ranges.push_back({first, drawn_.mesh.positions.size()});
+    }
+    return std::move(drawn_);
+  }
+
+ private:
+  void addTriangle(const formats::Triangle& corners, std::uint32_t appearance) {
+    drawn_.mesh.triangles.push_back(corners);
+    drawn_.mesh.triangle_materials.push_back(appearance);
+  }
+
+  // A vertex with the frame and light of `corner`, elsewhere.
+  std::uint32_t add(std::uint32_t corner, const Float3& position, const formats::Float2& texcoord) {
+    drawn_.mesh.positions.push_back(position);
+    drawn_.mesh.normals.push_back(pack_.mesh.normals[corner]);
+    drawn_.mesh.texcoords.push_back(texcoord);
+    drawn_.tangents.push_back(transfer_.tangents[corner]);
+    drawn_.blocks.push_back(transfer_.blocks[corner]);
+    Float3 albedo = appearance_albedo_;
+    for (std::size_t c = 0; c < 3 && colored_; ++c) albedo[c] *= pack_.colors[corner][c];
+    drawn_.albedo.push_back(albedo);
+    return static_cast<std::uint32_t>(drawn_.mesh.positions.size() - 1);
+  }
+  void add(std::uint32_t vertex) { add(vertex, pack_.mesh.positions[vertex], texcoordOf(vertex)); }
+
+  formats::Float2 texcoordOf(std::uint32_t vertex) const {
+    return pack_.mesh.texcoords.empty() ? formats::Float2{0, 0} : pack_.mesh.texcoords[vertex];
+  }
+
+  // Each corner has the points that are nearest to it by their barycentric coordinates.
+  void addParts(const formats::Triangle& corners, std::uint32_t appearance) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::array<std::uint32_t, 3> v = {corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]};
+      const auto between = [&](float second, float third) {
+        Float3 position;
+        formats::Float2 texcoord;
+        for (std::size_t c = 0; c < 3; ++c)
+          position[c] = mean(pack_.mesh.positions[v[0]][c], pack_.mesh.positions[v[1]][c],
+                             pack_.mesh.positions[v[2]][c], second, third);
+        for (std::size_t c = 0; c < 2; ++c)
+          texcoord[c] = mean(texcoordOf(v[0])[c], texcoordOf(v[1])[c], texcoordOf(v[2])[c], second, third);
+        return add(v[0], position, texcoord);
+      };
+      const std::uint32_t corner = between(0, 0), after = between(0.5F, 0),
+                          middle = between(1.0F / 3, 1.0F / 3), before = between(0, 0.5F);
+      addTriangle({corner, after, middle}, appearance);
+      addTriangle({corner, middle, before}, appearance);
+    }
+  }
+  static float mean(float a, float b, float c, float second, float third) {
+    return (1 - second - third) * a + second * b + third * c;
+  }
+
+  const formats::Pack& pack_;
+  const formats::PixelTransfer& transfer_;
+  std::vector<std::uint8_t> creased_;
+  DrawnMesh drawn_;
+  Float3 appearance_albedo_ = {1, 1, 1};
+  bool colored_ = false;
+};
+
+const formats::PixelTransfer& transferOf(const formats::Pack& pack) {
+  const auto* transfer = pack.transfer.as<formats::PixelTransfer>();
+  if (transfer == nullptr) throw std::invalid_argument("the pack's transfer is not in a pixel basis");
+  return *transfer;
+}
+
+}  // namespace
+
+bool AllFrequency::plays(const formats::Pack& pack) {
+  return transport::AllFrequencyShading::shades(pack);
+}
+
+transport::LightNeeds AllFrequency::needs(const formats::Pack& pack) {
+  transport::LightNeeds needs{1};
+  needs.cube_side = transferOf(pack).cube_side;
+  return needs;
+}
+
+AllFrequency::AllFrequency(const formats::Pack& pack, const SurfaceMesh& mesh)
+    : cube_side_(transferOf(pack).cube_side),
+      subsamples_(transferOf(pack).subsamples),
+      cells_(transferOf(pack).cells()) {
+  const formats::PixelTransfer& transfer = transferOf(pack);
+  const formats::PixelTransferRows rows(transfer);
+  uploadRows(rows.view());
+  light_ = makeBuffer(rows.view().columnCount() * sizeof(Float3), nullptr, GL_DYNAMIC_STORAGE_BIT);
+  GLint64 largest = 0;
+  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &largest);
+  const std::size_t incident_bytes = transfer.blockCount() * cells_ * sizeof(Float3);
+  if (incident_bytes > static_cast<std::size_t>(largest))
+    throw badInput({"", "pixel transfer", ""},
+                   "incident light of its vertices takes " + std::to_string(incident_bytes >> 20) + " MiB",
+                   "at most " + std::to_string(largest >> 20) + " on this GPU",
+                   "a simplified mesh, or fewer cells");
+  incident_ = makeBuffer(incident_bytes, nullptr);
+  transfer_program_ = makeComputeProgram({kPixelTransferComp});
+
+  const std::vector<const formats::PackImage*> indices = formats::patchIndices(pack);
+  const BtfReflection flat = transport::flatBtf(transfer.local_side);
+  std::vector<SurfacePatch> patches;
+  for (std::size_t a = 0; a < pack.appearances.size(); ++a) {
+    const auto* btf = pack.appearances[a].reflection.as<BtfReflection>();
+    if (btf != nullptr && btf->lights != transfer.local_side)
+      throw std::invalid_argument("a BTF has another grid of lights than the transfer's hemispheres");
+    patches.push_back(btf != nullptr ? SurfacePatch{btf, indices[a]} : SurfacePatch{&flat, nullptr});
+  }
+  const DrawnMesh drawn = MeshDrawer(pack, transfer).drawn();
+  surface_ = std::make_unique<PatchSurface>(drawn.mesh, drawn.tangents, patches, mesh.origin());
+  blocks_ = bufferOf(drawn.blocks);
+  albedo_ = bufferOf(drawn.albedo);
+  for (std::size_t a = 0; a < patches.size(); ++a) {
+    const std::size_t groups = surface_->groupsAtOnce(a);
+    Projection projection;
+    projection.vertices = drawn.ranges[a];
+    projection.program =
+        makeComputeProgram({kPatchProjectComp}, "#define BLOCKS\n#define GROUPS " + std::to_string(groups) +
+                                                    "\n#define INCIDENT " + std::to_string(cells_) + "u\n");
+    for (std::size_t draw = 0; draw < surface_->drawCount(a); ++draw)
+      projection.bases.push_back(
+          bufferOf(PatchSurface::basisOf(*patches[a].patch, cells_, draw * groups, groups)));
+    projections_.push_back(std::move(projection));
+  }
+  throwIfGlFailed("uploading transfer in a pixel basis");
+}
+
+void AllFrequency::uploadRows(const formats::PixelCodes& codes) {
+  const std::size_t blocks = codes.rowCount() / cells_;
+  for (std::size_t block = 0; block < blocks;) {
+    Rows rows;
+    rows.first_block = block;
+    const std::uint64_t first = codes.row_offsets[block * cells_];
+    const auto entriesTo = [&](std::size_t end) { return codes.row_offsets[end * cells_] - first; };
+    do ++block;
+    while (block < blocks && entriesTo(block + 1) * sizeof(std::uint32_t) <= kMostRowsBytes);
+    rows.block_count = block - rows.first_block;
+    std::vector<std::uint32_t> offsets, entries;
+    for (std::size_t row = rows.first_block * cells_; row <= block * cells_; ++row)
+      offsets.push_back(static_cast<std::uint32_t>(codes.row_offsets[row] - first));
+    entries.reserve(std::max<std::size_t>(entriesTo(block), 1));
+    for (std::uint64_t i = first; i < first + entriesTo(block); ++i)
+      entries.push_back(codes.columns[i] | static_cast<std::uint32_t>(codes.codes[i]) << 16);
+    if (entries.empty()) entries.push_back(0);  // GL has no buffers of no bytes
+    rows.offsets = bufferOf(offsets);
+    rows.entries = bufferOf(entries);
+    rows_.push_back(std::move(rows));
+  }
+}
+
+void AllFrequency::setLight(const GpuLight&, const GpuLight*) {
+  throw std::logic_error("all-frequency shading takes its light as a cube map");
+}
+
+void AllFrequency::setCubeLight(std::span<const Float3> radiance) {
+  const std::vector<Float3> light = transport::texelLight(radiance, cube_side_, subsamples_);
+  glNamedBufferSubData(light_.name(), 0, static_cast<GLsizeiptr>(light.size() * sizeof(Float3)),
+                       light.data());
+  transfer();
+  project();
+}
+
+void AllFrequency::transfer() {
+  const GpuPass pass("transfer");
+  glUseProgram(transfer_program_.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, light_.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, incident_.name());
+  for (const Rows& rows : rows_) {
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, rows.offsets.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, rows.entries.name());
+    glUniform1ui(0, static_cast<GLuint>(rows.block_count * cells_));
+    glUniform1ui(1, static_cast<GLuint>(rows.first_block * cells_));
+    dispatchItems(rows.block_count * cells_);
+  }
+  throwIfGlFailed("transferring the light");
+}
+
+void AllFrequency::project() {
+  const GpuPass pass("project");
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  const std::size_t projected_bytes = surface_->mostGroups() * 3 * sizeof(Float4);
+  const std::vector<RowRange> ranges = rowRanges(sizeInBytes(albedo_) / sizeof(Float3), projected_bytes, 1);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, incident_.name());
+  for (std::size_t p = 0; p < projections_.size(); ++p) {
+    const Projection& patch = projections_[p];
+    glUseProgram(patch.program.name());
+    glUniform1ui(3, static_cast<GLuint>(surface_->mostGroups()));
+    glUniform1ui(4, static_cast<GLuint>(cells_));
+    for (const RowRange& range : ranges) {
+      const std::size_t first = std::max(range.first, patch.vertices.first);
+      const std::size_t end = std::min(range.first + range.count, patch.vertices.end);
+      if (first >= end) continue;
+      bindRows(2, albedo_, range, sizeof(Float3));
+      bindRows(3, surface_->projected(), range, projected_bytes);
+      bindRows(4, blocks_, range, sizeof(std::uint32_t));
+      glUniform1ui(0, static_cast<GLuint>(end - range.first));
+      glUniform1ui(1, static_cast<GLuint>(first - range.first));
+      for (std::size_t i = 0; i < patch.bases.size(); ++i) {
+        glUniform1ui(2, static_cast<GLuint>(i * surface_->groupsAtOnce(p)));
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, patch.bases[i].name());
+        dispatchItems(end - first);
+      }
+    }
+  }
+  glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+  throwIfGlFailed("projecting onto BTFs");
+}
+
+void AllFrequency::lookFrom(const transport::ViewPoint& view) {
+  surface_->lookFrom(view);
+}
+
+void AllFrequency::draw(const Eigen::Matrix4f& clip_from_position) const {
+  surface_->draw(clip_from_position);
+}
+
+std::size_t AllFrequency::gpuBytes() const {
+  std::size_t bytes = sizeInBytes(light_) + sizeInBytes(incident_) + sizeInBytes(blocks_) +
+                      sizeInBytes(albedo_) + surface_->gpuBytes();
+  for (const Rows& rows : rows_) bytes += sizeInBytes(rows.offsets) + sizeInBytes(rows.entries);
+  return bytes;
+}
+
+}  // namespace bakelight::player

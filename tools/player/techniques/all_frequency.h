@@ -1,0 +1,61 @@
+// All-frequency bi-scale shading: transfer in a pixel basis from a cube map of light to the cells of the hemisphere over each
+// vertex, BTFs at the pixels. transport::AllFrequencyShading does the same on the CPU.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "formats/pack_contents.h"
+#include "formats/pixel_transfer.h"
+#include "tools/player/techniques/patch_surface.h"
+#include "tools/player/techniques/technique.h"
+
+namespace bakelight::player {
+
+class AllFrequency final : public Technique {
+ public:
+  static bool plays(const formats::Pack& pack);
+  static transport::LightNeeds needs(const formats::Pack& pack);
+
+  AllFrequency(const formats::Pack& pack, const SurfaceMesh& mesh);
+
+  // Throws std::logic_error: its light is a cube map.
+  void setLight(const GpuLight& distant, const GpuLight* near) override;
+  void setCubeLight(std::span<const formats::Float3> radiance) override;
+  void lookFrom(const transport::ViewPoint& view) override;
+  void draw(const Eigen::Matrix4f& clip_from_position) const override;
+  std::size_t gpuBytes() const override;
+
+ private:
+  // Rows of as many blocks as one storage block holds the entries of.
+  struct Rows {
+    std::size_t first_block = 0, block_count = 0;
+    Buffer offsets;  // rows + 1
+    Buffer entries;  // column, and code from bit 16 on
+  };
+  // Of the light that falls on the vertices of an appearance onto its patch's components.
+  struct Projection {
+    formats::VertexRange vertices;
+    Program program;
+    std::vector<Buffer> bases;  // a draw
+  };
+
+  void uploadRows(const formats::PixelCodes& codes);
+  void transfer();
+  void project();
+
+  int cube_side_, subsamples_;
+  std::size_t cells_;
+  std::vector<Rows> rows_;
+  Program transfer_program_;
+  Buffer light_;     // texels × RGB: radiance × solid angle ÷ subsamples²
+  Buffer incident_;  // blocks × cells × RGB
+  Buffer blocks_;    // of vertices as drawn
+  Buffer albedo_;
+  std::unique_ptr<PatchSurface> surface_;
+  std::vector<Projection> projections_;
+};
+
+}  // namespace bakelight::player
