@@ -7,6 +7,7 @@
 #include <array>
 #include <charconv>
 #include <limits>
+#include <numeric>
 
 #include "formats/error.h"
 #include "formats/hash.h"
@@ -14,9 +15,12 @@
 namespace bakelight::formats {
 namespace {
 
-// What is coded together, as it is alike. Steps are differences that are at least 1, less 1.
+// What is coded together, as it is alike. Lowest columns are told by their places among the columns that the tile has leaves of,
+// steps from one to a higher one as differences of columns, less 1.
 enum Stream {
-  kTileCounts,    // a tile: leaves, levels, groups, plain (0 or 1)
+  kRowTiles,  // a row of the matrix: 0 none, 1 and 2 as the row above it in its cells or before it, 3 + its tile
+  kRowTerms,      // of rows that have a tile, less 1
+  kTileCounts,    // a tile: leaves, levels
   kLeafColumns,   // from leaf to leaf
   kLeafCodes,     // less 1
   kLevelCounts,   // sums of a level
@@ -24,10 +28,7 @@ enum Stream {
   kSumRanks,      // of its first part among the entries with that lowest column
   kPartSteps,     // from its first part's lowest column to its second's
   kPartRanks,     // of its second part
-  kGroupTerms,    // of a row of a group, from group to group
-  kGroupRows,     // less 1
-  kRowSteps,      // from row to row of a group
-  kRowAnchors,    // lowest column of a row, from the tile's lowest
+  kRowAnchors,    // lowest column of a row, from that of the tile's row before it, the sign in the lowest bit
   kTermRanks,     // of each of its terms
   kTermSteps,     // from lowest column to lowest column
   kPlainColumns,  // of a row that is stored as it is: from column to column
@@ -35,61 +36,144 @@ enum Stream {
   kStreams
 };
 constexpr std::array<const char*, kStreams> kNames = {
-    "tile_counts", "leaf_columns", "leaf_codes",    "level_counts", "sum_anchors", "sum_ranks",
-    "part_steps",  "part_ranks",   "group_terms",   "group_rows",   "row_steps",   "row_anchors",
-    "term_ranks",  "term_steps",   "plain_columns", "plain_codes"};
+    "row_tiles",    "row_terms",   "tile_counts", "leaf_columns",  "leaf_codes",
+    "level_counts", "sum_anchors", "sum_ranks",   "part_steps",    "part_ranks",
+    "row_anchors",  "term_ranks",  "term_steps",  "plain_columns", "plain_codes"};
 
 using Streams = std::array<std::vector<std::uint32_t>, kStreams>;
 
-// The entries of a tile by their lowest column, in the order in which they come to be.
+// The entries of a tile by their lowest column, the most used first, as far as uses are known.
 class Ranks {
  public:
-  explicit Ranks(std::size_t columns) : by_column_(columns) {}
-  void clear() {
-    for (const std::uint16_t column : anchors_) by_column_[column].clear();
-    anchors_.clear(), ranks_.clear();
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  void clear() { columns_.clear(), by_column_.clear(), anchors_.clear(), ranks_.clear(), uses_.clear(); }
+  void addColumn(std::uint16_t column) { columns_.push_back(column), by_column_.emplace_back(); }
+  std::uint32_t columns() const { return static_cast<std::uint32_t>(by_column_.size()); }
+  std::uint32_t stepBetween(std::uint32_t anchor, std::uint32_t higher) const {
+    return columns_[higher] - columns_[anchor] - 1U;
   }
-  void add(std::uint16_t anchor) {
+  // The place of the column that the step leads to; kNone if the tile has no such.
+  std::uint64_t afterStep(std::uint64_t anchor, std::uint32_t step) const {
+    if (anchor >= columns_.size()) return kNone;
+    const std::uint64_t column = std::uint64_t{columns_[anchor]} + step + 1;
+    const auto found = std::lower_bound(columns_.begin(), columns_.end(), column);
+    return found != columns_.end() && *found == column ? static_cast<std::uint64_t>(found - columns_.begin())
+                                                       : kNone;
+  }
+  void add(std::uint32_t anchor) {
     ranks_.push_back(static_cast<std::uint32_t>(by_column_[anchor].size()));
     by_column_[anchor].push_back(static_cast<std::uint32_t>(anchors_.size()));
     anchors_.push_back(anchor);
+    uses_.push_back(0);
   }
-  std::uint16_t anchor(std::uint32_t entry) const { return anchors_[entry]; }
-  std::uint32_t rank(std::uint32_t entry) const { return ranks_[entry]; }
-  // Out of range: none.
-  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
-  std::uint32_t entry(std::uint64_t anchor, std::uint32_t rank) const {
-    return anchor < by_column_.size() && rank < by_column_[anchor].size() ? by_column_[anchor][rank] : kNone;
-  }
+  std::uint32_t anchor(std::uint32_t entry) const { return anchors_[entry]; }
   std::size_t size() const { return anchors_.size(); }
 
+  // The rank at which it is found now.
+  std::uint32_t use(std::uint32_t entry) {
+    auto& column = by_column_[anchors_[entry]];
+    const std::uint32_t before = ranks_[entry];
+    std::uint32_t rank = before;
+    ++uses_[entry];
+    for (; rank > 0 && uses_[column[rank - 1]] < uses_[entry]; --rank)
+      ranks_[column[rank] = column[rank - 1]] = rank;
+    ranks_[column[rank] = entry] = rank;
+    return before;
+  }
+  std::uint32_t useAt(std::uint64_t anchor, std::uint32_t rank) {
+    if (anchor >= by_column_.size() || rank >= by_column_[anchor].size()) return kNone;
+    const std::uint32_t entry = by_column_[anchor][rank];
+    use(entry);
+    return entry;
+  }
+
  private:
+  std::vector<std::uint16_t> columns_;
   std::vector<std::vector<std::uint32_t>> by_column_;
-  std::vector<std::uint16_t> anchors_;
-  std::vector<std::uint32_t> ranks_;
+  std::vector<std::uint32_t> anchors_, ranks_, uses_;
 };
+
+constexpr std::uint32_t kNoTile = ~std::uint32_t{0};
+
+// What is told of a row's tile if those of other rows are known.
+class TileGuess {
+ public:
+  explicit TileGuess(int local_side) : above_(static_cast<std::size_t>(local_side)) {}
+  std::uint32_t above(const std::vector<std::uint32_t>& tiles, std::size_t row) const {
+    return row >= above_ ? tiles[row - above_] : kNoTile;
+  }
+  static std::uint32_t before(const std::vector<std::uint32_t>& tiles, std::size_t row) {
+    return row >= 1 ? tiles[row - 1] : kNoTile;
+  }
+
+ private:
+  std::size_t above_;
+};
+
+std::uint32_t signLast(std::int64_t value) {
+  return static_cast<std::uint32_t>(value < 0 ? -2 * value - 1 : 2 * value);
+}
+std::int64_t fromSignLast(std::uint32_t value) {
+  return value % 2 == 1 ? -static_cast<std::int64_t>(value / 2) - 1 : value / 2;
+}
 
 class Encoder {
  public:
-  explicit Encoder(const SumGrammar& grammar) : grammar_(grammar), ranks_(grammar.columnCount()) {}
+  explicit Encoder(const SumGrammar& grammar) : grammar_(grammar) {}
 
   Streams encode() {
+    rows();
     for (std::size_t tile = 0; tile < grammar_.tileCount(); ++tile) {
       begin_ = grammar_.tiles[tile], end_ = grammar_.tiles[tile + 1];
-      const bool plain = begin_.leaf == end_.leaf;
       put(kTileCounts, end_.leaf - begin_.leaf), put(kTileCounts, end_.level - begin_.level);
-      put(kTileCounts, end_.group - begin_.group), put(kTileCounts, plain ? 1 : 0);
       ranks_.clear();
       leaves();
       sums();
-      groups(plain);
+      tileRows();
     }
     return std::move(streams_);
   }
 
  private:
+  struct RowTerms {
+    std::uint32_t place, terms;
+    std::uint64_t term, code;
+  };
+
   void put(Stream stream, std::uint64_t value) {
     streams_[stream].push_back(static_cast<std::uint32_t>(value));
+  }
+
+  // Rows of the tile by their place in the matrix.
+  std::vector<RowTerms> rowsOfTile(const SumTile& begin, const SumTile& end) const {
+    std::vector<RowTerms> rows;
+    std::uint64_t term = begin.term, code = begin.code, row = begin.row;
+    for (std::uint64_t g = begin.group; g < end.group; ++g)
+      for (std::uint32_t i = 0; i < grammar_.groups[g].rows; ++i, ++row) {
+        rows.push_back({grammar_.row_places[row], grammar_.groups[g].terms, term, code});
+        term += grammar_.groups[g].terms, code += grammar_.groups[g].terms;
+      }
+    std::sort(rows.begin(), rows.end(),
+              [](const RowTerms& a, const RowTerms& b) { return a.place < b.place; });
+    return rows;
+  }
+
+  void rows() {
+    std::vector<std::uint32_t> tiles(grammar_.row_count, kNoTile), terms(grammar_.row_count, 0);
+    for (std::size_t tile = 0; tile < grammar_.tileCount(); ++tile)
+      for (const RowTerms& row : rowsOfTile(grammar_.tiles[tile], grammar_.tiles[tile + 1]))
+        tiles[row.place] = static_cast<std::uint32_t>(tile), terms[row.place] = row.terms;
+    const TileGuess guess(grammar_.local_side);
+    for (std::size_t row = 0; row < tiles.size(); ++row) {
+      if (tiles[row] == kNoTile) {
+        put(kRowTiles, 0);
+        continue;
+      }
+      put(kRowTiles, tiles[row] == guess.above(tiles, row)    ? 1
+                     : tiles[row] == guess.before(tiles, row) ? 2
+                                                              : 3 + tiles[row]);
+      put(kRowTerms, terms[row] - 1);
+    }
   }
 
   void leaves() {
@@ -97,8 +181,9 @@ class Encoder {
     for (std::uint64_t i = begin_.leaf; i < end_.leaf; ++i) {
       const std::uint16_t column = grammar_.leaf_columns[i];
       put(kLeafColumns, column - last), put(kLeafCodes, grammar_.leaf_codes[i] - 1U);
+      if (i == begin_.leaf || column != last) ranks_.addColumn(column);
       last = column;
-      ranks_.add(column);
+      ranks_.add(ranks_.columns() - 1);
     }
   }
 
@@ -107,45 +192,39 @@ class Encoder {
     for (std::uint64_t level = begin_.level; level < end_.level; ++level) {
       const std::uint32_t end = grammar_.level_ends[level];
       put(kLevelCounts, end - first);
-      std::uint16_t last = 0;
-      std::vector<std::uint16_t> anchors;
+      std::uint32_t last = 0;
+      std::vector<std::uint32_t> anchors;
       for (; first < end; ++first) {
         const std::uint16_t* parts = &grammar_.sum_parts[2 * (begin_.sum + first)];
-        const std::uint16_t anchor = ranks_.anchor(parts[0]);
-        put(kSumAnchors, anchor - last), put(kSumRanks, ranks_.rank(parts[0]));
-        put(kPartSteps, ranks_.anchor(parts[1]) - anchor - 1), put(kPartRanks, ranks_.rank(parts[1]));
+        const std::uint32_t anchor = ranks_.anchor(parts[0]);
+        put(kSumAnchors, anchor - last), put(kSumRanks, ranks_.use(parts[0]));
+        put(kPartSteps, ranks_.stepBetween(anchor, ranks_.anchor(parts[1]))),
+            put(kPartRanks, ranks_.use(parts[1]));
         anchors.push_back(anchor);
         last = anchor;
       }
-      for (const std::uint16_t anchor : anchors) ranks_.add(anchor);
+      for (const std::uint32_t anchor : anchors) ranks_.add(anchor);
     }
   }
 
-  void groups(bool plain) {
-    const std::uint16_t lowest = plain ? 0 : grammar_.leaf_columns[begin_.leaf];
-    const std::uint16_t* term = grammar_.terms.data() + begin_.term;
-    const std::uint8_t* code = grammar_.term_codes.data() + begin_.code;
-    const std::uint32_t* row = grammar_.row_places.data() + begin_.row;
-    std::uint32_t last_terms = 0;
-    for (std::uint64_t g = begin_.group; g < end_.group; ++g) {
-      const RowGroup group = grammar_.groups[g];
-      put(kGroupTerms, group.terms - last_terms - 1), put(kGroupRows, group.rows - 1);
-      last_terms = group.terms;
-      for (std::uint32_t i = 0, last = 0; i < group.rows; ++i, ++row) {
-        put(kRowSteps, *row - last);
-        last = *row;
-        std::uint16_t last_column = 0;
-        for (std::uint32_t t = 0; t < group.terms; ++t, ++term) {
-          if (plain) {
-            put(kPlainColumns, *term - (t == 0 ? 0 : last_column + 1)), put(kPlainCodes, *code++ - 1U);
-            last_column = *term;
-            continue;
-          }
-          const std::uint16_t anchor = ranks_.anchor(*term);
-          t == 0 ? put(kRowAnchors, anchor - lowest) : put(kTermSteps, anchor - last_column - 1);
-          put(kTermRanks, ranks_.rank(*term));
-          last_column = anchor;
+  void tileRows() {
+    std::uint32_t last_row = 0;
+    for (const RowTerms& row : rowsOfTile(begin_, end_)) {
+      std::uint32_t last = 0;
+      for (std::uint32_t t = 0; t < row.terms; ++t) {
+        const std::uint16_t term = grammar_.terms[row.term + t];
+        if (ranks_.size() == 0) {
+          put(kPlainColumns, term - (t == 0 ? 0 : last + 1)),
+              put(kPlainCodes, grammar_.term_codes[row.code + t] - 1U);
+          last = term;
+          continue;
         }
+        const std::uint32_t anchor = ranks_.anchor(term);
+        t == 0 ? put(kRowAnchors, signLast(static_cast<std::int64_t>(anchor) - last_row))
+               : put(kTermSteps, ranks_.stepBetween(last, anchor));
+        if (t == 0) last_row = anchor;
+        put(kTermRanks, ranks_.use(term));
+        last = anchor;
       }
     }
   }
@@ -159,24 +238,17 @@ class Encoder {
 class Decoder {
  public:
   Decoder(const Streams& streams, SumGrammar& grammar, const std::string& name)
-      : streams_(streams),
-        grammar_(grammar),
-        name_(name),
-        ranks_(grammar.columnCount()),
-        full_(grammar.subsamples * grammar.subsamples) {}
+      : streams_(streams), grammar_(grammar), name_(name), full_(grammar.subsamples * grammar.subsamples) {}
 
   void decode() {
+    rows();
     grammar_.tiles.push_back({});
-    seen_.assign(grammar_.row_count, 0);
-    while (next_[kTileCounts] < streams_[kTileCounts].size()) {
-      const std::uint32_t leaf_count = get(kTileCounts), levels = get(kTileCounts),
-                          group_count = get(kTileCounts);
-      const bool plain = get(kTileCounts) != 0;
-      if (plain != (leaf_count == 0)) fail(kTileCounts, "a tile of another kind than its leaves say");
+    for (std::uint32_t tile = 0; tile < tile_rows_.size(); ++tile) {
+      const std::uint32_t leaf_count = get(kTileCounts), levels = get(kTileCounts);
       ranks_.clear();
       leaves(leaf_count);
       for (std::uint32_t level = 0; level < levels; ++level) sumsOfLevel(leaf_count);
-      groups(group_count, plain);
+      tileRows(tile_rows_[tile]);
       grammar_.tiles.push_back({grammar_.leaf_columns.size(), grammar_.sum_parts.size() / 2,
                                 grammar_.level_ends.size(), grammar_.groups.size(), grammar_.terms.size(),
                                 grammar_.term_codes.size(), grammar_.row_places.size()});
@@ -187,6 +259,11 @@ class Decoder {
   }
 
  private:
+  struct Row {
+    std::uint32_t place, terms;
+    std::uint64_t term = 0;  // where its terms go
+  };
+
   [[noreturn]] void fail(Stream stream, const std::string& what) const {
     throw badInput(
         {name_, std::string("tensor ") + kNames[stream] + ", value " + std::to_string(next_[stream]), ""},
@@ -206,73 +283,104 @@ class Decoder {
     return static_cast<std::uint8_t>(code + 1);
   }
   std::uint16_t entry(Stream stream, std::uint64_t anchor) {
-    const std::uint32_t found = ranks_.entry(anchor, get(stream));
+    const std::uint32_t found = ranks_.useAt(anchor, get(stream));
     if (found == Ranks::kNone) fail(stream, "an entry that is not there");
     return static_cast<std::uint16_t>(found);
   }
-  void add(Stream stream, std::uint16_t anchor) {
+  void add(Stream stream, std::uint32_t anchor) {
     if (ranks_.size() == kMostTileEntries) fail(stream, "more than 65536 entries of a tile");
     ranks_.add(anchor);
+  }
+
+  void rows() {
+    if (streams_[kRowTiles].size() != grammar_.row_count)
+      fail(kRowTiles, "another number of rows than the metadata says");
+    tile_rows_.resize(streams_[kTileCounts].size() / 2);
+    std::vector<std::uint32_t> tiles(grammar_.row_count, kNoTile);
+    const TileGuess guess(grammar_.local_side);
+    for (std::size_t row = 0; row < tiles.size(); ++row) {
+      const std::uint32_t told = get(kRowTiles);
+      if (told == 0) continue;
+      tiles[row] = told == 1 ? guess.above(tiles, row) : told == 2 ? TileGuess::before(tiles, row) : told - 3;
+      if (tiles[row] >= tile_rows_.size()) fail(kRowTiles, "a tile that is not there");
+      const std::uint32_t terms = get(kRowTerms);
+      if (terms >= grammar_.columnCount()) fail(kRowTerms, "a row of more terms than there are columns");
+      tile_rows_[tiles[row]].push_back({static_cast<std::uint32_t>(row), terms + 1});
+    }
   }
 
   void leaves(std::uint32_t count) {
     std::uint64_t last = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
-      last = column(kLeafColumns, last + get(kLeafColumns));
+      const std::uint32_t step = get(kLeafColumns);
+      last = column(kLeafColumns, last + step);
       grammar_.leaf_columns.push_back(static_cast<std::uint16_t>(last));
       grammar_.leaf_codes.push_back(code(kLeafCodes));
-      add(kLeafColumns, static_cast<std::uint16_t>(last));
+      if (i == 0 || step > 0) ranks_.addColumn(static_cast<std::uint16_t>(last));
+      add(kLeafColumns, ranks_.columns() - 1);
     }
   }
 
   void sumsOfLevel(std::uint32_t leaf_count) {
     const std::uint32_t count = get(kLevelCounts);
     std::uint64_t anchor = 0;
-    std::vector<std::uint16_t> anchors;
+    std::vector<std::uint32_t> anchors;
     for (std::uint32_t i = 0; i < count; ++i) {
-      anchor = column(kSumAnchors, anchor + get(kSumAnchors));
+      anchor += get(kSumAnchors);
       grammar_.sum_parts.push_back(entry(kSumRanks, anchor));
-      const std::uint64_t second = anchor + get(kPartSteps) + 1;
+      const std::uint64_t second = ranks_.afterStep(anchor, get(kPartSteps));
       grammar_.sum_parts.push_back(entry(kPartRanks, second));
-      anchors.push_back(static_cast<std::uint16_t>(anchor));
+      anchors.push_back(static_cast<std::uint32_t>(anchor));
     }
-    for (const std::uint16_t a : anchors) add(kSumAnchors, a);
+    for (const std::uint32_t a : anchors) add(kSumAnchors, a);
     grammar_.level_ends.push_back(static_cast<std::uint32_t>(ranks_.size() - leaf_count));
   }
 
-  void groups(std::uint32_t count, bool plain) {
-    const std::uint64_t lowest = plain ? 0 : ranks_.anchor(0);
-    std::uint64_t terms = 0;
-    for (std::uint32_t g = 0; g < count; ++g) {
-      terms += std::uint64_t{get(kGroupTerms)} + 1;
-      if (terms > grammar_.columnCount()) fail(kGroupTerms, "a row of more terms than there are columns");
-      const std::uint64_t rows = std::uint64_t{get(kGroupRows)} + 1;
-      grammar_.groups.push_back({static_cast<std::uint32_t>(terms), static_cast<std::uint32_t>(rows)});
-      std::uint64_t place = 0;
-      for (std::uint64_t row = 0; row < rows; ++row) {
-        place += get(kRowSteps);
-        if (place >= grammar_.row_count || seen_[place] != 0)
-          fail(kRowSteps, "a row beyond the matrix, or twice");
-        seen_[place] = 1;
-        grammar_.row_places.push_back(static_cast<std::uint32_t>(place));
-        plain ? plainRow(terms) : row_(terms, lowest);
+  // Rows come by place and lie by the number of their terms.
+  void tileRows(std::vector<Row>& rows) {
+    std::vector<std::uint32_t> order(rows.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return rows[a].terms < rows[b].terms; });
+    const bool plain = ranks_.size() == 0;
+    std::uint64_t terms = 0, left = streams_[plain ? kPlainColumns : kTermRanks].size() -
+                                    next_[plain ? kPlainColumns : kTermRanks];
+    for (const Row& row : rows) terms += row.terms;
+    if (terms > left) fail(plain ? kPlainColumns : kTermRanks, "the values end too early");
+    std::uint64_t term = 0;
+    std::uint32_t last = 0;
+    for (const std::uint32_t i : order) {
+      if (rows[i].terms != last) grammar_.groups.push_back({rows[i].terms, 0});
+      last = rows[i].terms;
+      ++grammar_.groups.back().rows;
+      grammar_.row_places.push_back(rows[i].place);
+      rows[i].term = term;
+      term += rows[i].terms;
+    }
+    const std::size_t first_term = grammar_.terms.size(), first_code = grammar_.term_codes.size();
+    grammar_.terms.resize(first_term + terms);
+    if (plain) grammar_.term_codes.resize(first_code + terms);
+    std::int64_t anchor = 0;
+    for (const Row& row : rows) {
+      std::uint16_t* out = grammar_.terms.data() + first_term + row.term;
+      if (plain) {
+        plainRow(row.terms, out, grammar_.term_codes.data() + first_code + row.term);
+        continue;
+      }
+      anchor += fromSignLast(get(kRowAnchors));
+      std::uint64_t at = static_cast<std::uint64_t>(anchor);
+      for (std::uint32_t t = 0; t < row.terms; ++t) {
+        if (t > 0) at = ranks_.afterStep(at, get(kTermSteps));
+        out[t] = entry(kTermRanks, at);
       }
     }
   }
-  void row_(std::uint64_t terms, std::uint64_t lowest) {
-    std::uint64_t anchor = lowest + get(kRowAnchors);
-    for (std::uint64_t t = 0; t < terms; ++t) {
-      if (t > 0) anchor += std::uint64_t{get(kTermSteps)} + 1;
-      grammar_.terms.push_back(entry(kTermRanks, anchor));
-    }
-  }
-  void plainRow(std::uint64_t terms) {
+  void plainRow(std::uint32_t terms, std::uint16_t* out, std::uint8_t* codes) {
     std::uint64_t next = 0;
-    for (std::uint64_t t = 0; t < terms; ++t) {
-      const std::uint16_t at = column(kPlainColumns, next + get(kPlainColumns));
-      grammar_.terms.push_back(at);
-      grammar_.term_codes.push_back(code(kPlainCodes));
-      next = std::uint64_t{at} + 1;
+    for (std::uint32_t t = 0; t < terms; ++t) {
+      out[t] = column(kPlainColumns, next + get(kPlainColumns));
+      codes[t] = code(kPlainCodes);
+      next = std::uint64_t{out[t]} + 1;
     }
   }
 
@@ -282,7 +390,7 @@ class Decoder {
   Ranks ranks_;
   int full_;
   std::array<std::size_t, kStreams> next_{};
-  std::vector<std::uint8_t> seen_;
+  std::vector<std::vector<Row>> tile_rows_;
 };
 
 // Draco counts in int.
