@@ -87,9 +87,8 @@ void append(formats::TriangleMesh& mesh, const formats::TriangleMesh& other) {
   for (const auto& [a, b, c] : other.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
 }
 
-// `shift` moves hits within their triangles.
 CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& lighting,
-                          const formats::FrameSettings& settings, const formats::Float2& shift) {
+                          const formats::FrameSettings& settings) {
   const auto bounds = transport::boundingSphere(pack.mesh);
   const auto camera = transport::frameCamera(settings, bounds);
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(settings);
@@ -121,8 +120,6 @@ CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& 
     for (std::size_t i = 0; i < hits.size(); ++i) {
       transport::SurfaceHit hit = hits[i];
       if (hit.triangle < object_triangles) {
-        hit.u += shift[0];
-        hit.v += shift[1];
         shading->radianceAt({&hit, 1}, radiance.subspan(i, 1));
       } else {
         hit.triangle -= object_triangles;
@@ -163,8 +160,8 @@ int largestCodeDifference(const float* a, const float* b) {
   return largest;
 }
 
-// Where the last digits of a position decide which texel of a texture is seen, which is never filtered: there the picture
-// changes when hits move by a hair.
+// Where the last digits of a position decide which texel of a texture is seen, which is never filtered, or which side of a
+// crease: there the picture changes when the camera moves by a hair.
 std::vector<bool> pixelsOnTexelEdges(const formats::Pack& pack, const transport::Lighting& lighting,
                                      const formats::FrameSettings& settings, const formats::Image& display) {
   std::vector<bool> result(static_cast<std::size_t>(display.width) * display.height, false);
@@ -173,10 +170,12 @@ std::vector<bool> pixelsOnTexelEdges(const formats::Pack& pack, const transport:
            appearance.reflection.as<formats::BtfReflection>() != nullptr;
   };
   if (std::none_of(pack.appearances.begin(), pack.appearances.end(), isTextured)) return result;
-  constexpr float kHair = 1e-3F;  // of a triangle
-  for (const formats::Float2& shift :
-       {formats::Float2{-kHair, -kHair}, {kHair, kHair}, {-kHair, kHair}, {kHair, -kHair}}) {
-    const formats::Image moved = renderFrameOnCpu(pack, lighting, settings, shift).display;
+  constexpr double kHair_deg = 0.01;  // of the camera's way around: a hundredth of a pixel
+  for (const auto& [yaw_deg, pitch_deg] :
+       {std::pair(kHair_deg, 0.0), {-kHair_deg, 0.0}, {0.0, kHair_deg}, {0.0, -kHair_deg}}) {
+    formats::FrameSettings turned = settings;
+    turned.yaw_deg += yaw_deg, turned.pitch_deg += pitch_deg;
+    const formats::Image moved = renderFrameOnCpu(pack, lighting, turned).display;
     for (std::size_t i = 0; i < result.size(); ++i)
       if (largestCodeDifference(&moved.values[4 * i], &display.values[4 * i]) > 1) result[i] = true;
   }
@@ -206,7 +205,7 @@ PlayerComparison comparePlayerWithCpu(const fs::path& player_executable, const f
       formats::readLights(lights.environment_path, lights.rig_path, lights.windowing),
       std::max(transport::makePackShading(pack)->needs().sh_order, 1), lights.rig_path.string());
   lighting.cube_resolution = lights.cube_resolution;
-  const CpuFrame cpu = renderFrameOnCpu(pack, lighting, settings, {0, 0});
+  const CpuFrame cpu = renderFrameOnCpu(pack, lighting, settings);
   const std::vector<bool> on_edges = pixelsOnTexelEdges(pack, lighting, settings, cpu.display);
   formats::writePng(folder / "cpu.png", cpu.display);
   if (played.width != cpu.display.width || played.height != cpu.display.height || played.channelCount() != 4)

@@ -27,7 +27,7 @@ struct PlayerComparison {
   // would be a bias), and at least a fifth of the picture compared on the object.
   bool agrees() const {
     return largest_difference <= allowed_difference && differing_pixels * 20 <= pixels &&
-           object_pixels * 5 >= pixels;
+           (object_pixels + texel_edge_pixels) * 5 >= pixels;
   }
   // One line with all of the above.
   std::string summary() const;

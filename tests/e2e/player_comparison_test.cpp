@@ -115,7 +115,10 @@ TEST_F(PlayerAgainstCpu, TransferInAPixelBasis) {
     }
     pack.transfer = transfer;
     formats::reflectionOf(pack) = btf;
-    compare(pack, kSmall, sky());
+    if (!creased) {
+      compare(pack, kSmall, sky());
+      continue;
+    }
     PlayerLights near = rig(R"({"units": "object",
       "lights": [{"type": "disk", "direction": [1, 2, 0.5], "half_angle_deg": 2, "radiance": [300, 250, 200]}],
       "emitters": [{"shape": "sphere", "position": [1, 1.5, 1], "radius": 0.4, "radiance": [6, 8, 12]}]})");

@@ -26,13 +26,15 @@ Buffer bufferOf(const auto& values) {
   return makeBuffer(values.size() * sizeof(values[0]), values.data());
 }
 
-// The mesh as it is drawn: triangles across creases in three parts, each with the frame and the light of its corner.
+// The mesh as it is drawn: triangles across creases thrice, for each corner with its frame and light (PatchSurface).
 struct DrawnMesh {
   formats::TriangleMesh mesh;
   std::vector<Float4> tangents;
   std::vector<std::uint32_t> blocks;
   std::vector<Float3> albedo;
   std::vector<formats::VertexRange> ranges;  // by appearance
+  std::vector<std::size_t>
+      first_creased;  // by appearance: vertices from there on are those of such triangles
 };
 
 class MeshDrawer {
@@ -49,14 +51,15 @@ class MeshDrawer {
       const bool lambert = pack_.appearances[a].reflection.as<BtfReflection>() == nullptr;
       appearance_albedo_ = lambert ? pack_.appearances[a].base_color : Float3{1, 1, 1};
       colored_ = lambert && !pack_.colors.empty();
-      for (std::size_t v = ranges[a].first; v < ranges[a].end; ++v) add(static_cast<std::uint32_t>(v));
+      for (std::size_t v = ranges[a].first; v < ranges[a].end; ++v) add(static_cast<std::uint32_t>(v), v);
+      drawn_.first_creased.push_back(drawn_.mesh.positions.size());
       for (std::size_t t = 0; t < pack_.mesh.triangleCount(); ++t) {
         const auto material = pack_.mesh.triangle_materials.empty() ? 0 : pack_.mesh.triangle_materials[t];
         if (material != a) continue;
         const auto moved = static_cast<std::uint32_t>(first - ranges[a].first);
         const auto& [i, j, k] = pack_.mesh.triangles[t];
         if (creased_[t] != 0)
-          addParts(pack_.mesh.triangles[t], static_cast<std::uint32_t>(a));
+          addThrice(pack_.mesh.triangles[t], static_cast<std::uint32_t>(a));
         else
           addTriangle({i + moved, j + moved, k + moved}, static_cast<std::uint32_t>(a));
       }
@@ -71,11 +74,12 @@ class MeshDrawer {
     drawn_.mesh.triangle_materials.push_back(appearance);
   }
 
-  // A vertex with the frame and light of `corner`, elsewhere.
-  std::uint32_t add(std::uint32_t corner, const Float3& position, const formats::Float2& texcoord) {
-    drawn_.mesh.positions.push_back(position);
+  // A vertex where `place` is, with the frame and light of `corner`.
+  std::uint32_t add(std::uint32_t corner, std::size_t place) {
+    drawn_.mesh.positions.push_back(pack_.mesh.positions[place]);
     drawn_.mesh.normals.push_back(pack_.mesh.normals[corner]);
-    drawn_.mesh.texcoords.push_back(texcoord);
+    drawn_.mesh.texcoords.push_back(pack_.mesh.texcoords.empty() ? formats::Float2{0, 0}
+                                                                 : pack_.mesh.texcoords[place]);
     drawn_.tangents.push_back(transfer_.tangents[corner]);
     drawn_.blocks.push_back(transfer_.blocks[corner]);
     Float3 albedo = appearance_albedo_;
@@ -83,34 +87,13 @@ class MeshDrawer {
     drawn_.albedo.push_back(albedo);
     return static_cast<std::uint32_t>(drawn_.mesh.positions.size() - 1);
   }
-  void add(std::uint32_t vertex) { add(vertex, pack_.mesh.positions[vertex], texcoordOf(vertex)); }
 
-  formats::Float2 texcoordOf(std::uint32_t vertex) const {
-    return pack_.mesh.texcoords.empty() ? formats::Float2{0, 0} : pack_.mesh.texcoords[vertex];
-  }
-
-  // Each corner has the points that are nearest to it by their barycentric coordinates.
-  void addParts(const formats::Triangle& corners, std::uint32_t appearance) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::array<std::uint32_t, 3> v = {corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]};
-      const auto between = [&](float second, float third) {
-        Float3 position;
-        formats::Float2 texcoord;
-        for (std::size_t c = 0; c < 3; ++c)
-          position[c] = mean(pack_.mesh.positions[v[0]][c], pack_.mesh.positions[v[1]][c],
-                             pack_.mesh.positions[v[2]][c], second, third);
-        for (std::size_t c = 0; c < 2; ++c)
-          texcoord[c] = mean(texcoordOf(v[0])[c], texcoordOf(v[1])[c], texcoordOf(v[2])[c], second, third);
-        return add(v[0], position, texcoord);
-      };
-      const std::uint32_t corner = between(0, 0), after = between(0.5F, 0),
-                          middle = between(1.0F / 3, 1.0F / 3), before = between(0, 0.5F);
-      addTriangle({corner, after, middle}, appearance);
-      addTriangle({corner, middle, before}, appearance);
+  void addThrice(const formats::Triangle& corners, std::uint32_t appearance) {
+    for (const std::uint32_t corner : corners) {
+      formats::Triangle copy;
+      for (std::size_t k = 0; k < 3; ++k) copy[k] = add(corner, corners[k]);
+      addTriangle(copy, appearance);
     }
-  }
-  static float mean(float a, float b, float c, float second, float third) {
-    return (1 - second - third) * a + second * b + third * c;
   }
 
   const formats::Pack& pack_;
@@ -160,14 +143,15 @@ AllFrequency::AllFrequency(const formats::Pack& pack, const SurfaceMesh& mesh)
 
   const std::vector<const formats::PackImage*> indices = formats::patchIndices(pack);
   const BtfReflection flat = transport::flatBtf(transfer.local_side);
+  const DrawnMesh drawn = MeshDrawer(pack, transfer).drawn();
   std::vector<SurfacePatch> patches;
   for (std::size_t a = 0; a < pack.appearances.size(); ++a) {
     const auto* btf = pack.appearances[a].reflection.as<BtfReflection>();
     if (btf != nullptr && btf->lights != transfer.local_side)
       throw std::invalid_argument("a BTF has another grid of lights than the transfer's hemispheres");
     patches.push_back(btf != nullptr ? SurfacePatch{btf, indices[a]} : SurfacePatch{&flat, nullptr});
+    if (drawn.first_creased[a] < drawn.ranges[a].end) patches.back().first_creased = drawn.first_creased[a];
   }
-  const DrawnMesh drawn = MeshDrawer(pack, transfer).drawn();
   surface_ = std::make_unique<PatchSurface>(drawn.mesh, drawn.tangents, patches, mesh.origin());
   blocks_ = bufferOf(drawn.blocks);
   albedo_ = bufferOf(drawn.albedo);

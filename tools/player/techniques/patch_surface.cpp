@@ -38,7 +38,8 @@ enum Uniform : GLint {  // both shaders
   kAlpha,
   kPlacing,
   kLevels,
-  kStartHeight = 32  // beyond all levels
+  kStartHeight = 32,  // beyond all levels
+  kFirstCreased
 };
 
 Buffer bufferOf(const auto& values) {
@@ -110,6 +111,7 @@ PatchSurface::PatchSurface(const formats::TriangleMesh& mesh, std::span<const Fl
     patch.texel_width = source.patch_width / static_cast<float>(source.width);
     patch.repeats = {source.repeats,
                      source.repeats * static_cast<float>(source.width) / static_cast<float>(source.height)};
+    patch.first_creased = patches[i].first_creased;
     patch.relief = source.heights && source.views > 1;
     uploadFactors(source, patch);
     if (patch.relief) uploadRelief(source, patch);
@@ -236,6 +238,7 @@ void PatchSurface::addDraws(Patch& patch) {
                             std::to_string(patch.views) + "\n#define LEVELS " +
                             std::to_string(patch.levels.size()) + "\n" +
                             (patch.index != nullptr ? "#define INDEX\n" : "");
+  if (patch.first_creased) definitions += "#define CREASES\n";
   if (patch.relief)
     definitions += "#define ALL_GROUPS " + std::to_string(patch.groups) + "\n#define RELIEF_STEPS " +
                    std::to_string(transport::kReliefSteps) + "\n#define LEAST_RELIEF_COSINE " +
@@ -305,6 +308,7 @@ void PatchSurface::draw(const Eigen::Matrix4f& clip_from_position) const {
       glBindTextureUnit(3, patch.slopes.name());
       glUniform1f(kStartHeight, patch.start_height);
     }
+    if (patch.first_creased) glUniform1i(kFirstCreased, static_cast<GLint>(*patch.first_creased));
     for (std::size_t i = 0; i < patch.draws.size(); ++i) {
       // What the first draw shows, the others add to.
       if (i == 1) glEnable(GL_BLEND);

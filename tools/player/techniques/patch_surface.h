@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,6 +23,10 @@ namespace bakelight::player {
 struct SurfacePatch {
   const formats::FactoredPatch* patch = nullptr;
   const formats::PackImage* index = nullptr;
+  // Vertices of the patch from here on come by nines, for a triangle that is there three times: nothing is interpolated across
+  // it, and each of the three, whose vertices all have the frame of another corner, is drawn where that corner is the nearest by
+  // barycentric coordinates.
+  std::optional<std::size_t> first_creased = {};
 };
 
 class PatchSurface {
@@ -65,6 +70,7 @@ class PatchSurface {
     float start_height = 0;
     std::size_t texture_bytes = 0;
     const Texture* index = nullptr;
+    std::optional<std::size_t> first_creased;
     std::array<float, 4> index_decoding = {1, 1, 0, 0};  // scale, offset
     Program program;
     std::vector<VertexArray> draws;

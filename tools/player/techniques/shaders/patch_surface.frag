@@ -1,10 +1,14 @@
 // B(q(u), v) · (M L) of a pixel (transport::BiScaleShading). Definitions: GROUPS; VIEWS, a side of the grid of views;
 // LEVELS of the pyramid; INDEX if an image says where in the patch a texel is; RELIEF_STEPS and its constants if views are looked
-// up along the relief (transport::PatchLookup).
+// up along the relief (transport::PatchLookup); CREASES as in patch_surface.vert.
 in vec3 surface_position, surface_normal;
 in vec4 surface_tangent;
 in vec2 surface_texcoord;
 in vec4 incident[3 * GROUPS];
+#ifdef CREASES
+flat in int shown_corner;
+in vec2 corner_weights;
+#endif
 
 layout(location = 1) uniform vec3 eye;  // where positions are
 layout(location = 2) uniform float pixel_angle;
@@ -74,6 +78,14 @@ vec3 seenBy(ivec2 cell, vec2 slope, vec2 place, int level) {
 #endif
 
 void main() {
+#ifdef CREASES
+  // The nearest corner; the first of equals.
+  if (shown_corner >= 0) {
+    vec3 weights = vec3(corner_weights, 1.0 - corner_weights.x - corner_weights.y);
+    int nearest = weights.x >= max(weights.y, weights.z) ? 0 : weights.y >= weights.z ? 1 : 2;
+    if (nearest != shown_corner) discard;
+  }
+#endif
   vec3 n = normalize(surface_normal);
   vec3 t = normalize(surface_tangent.xyz - dot(surface_tangent.xyz, n) * n);
   vec3 b = surface_tangent.w * cross(n, t);
