@@ -40,6 +40,7 @@ struct SumGrammar {
   std::vector<std::uint16_t> sum_parts;
   std::vector<std::uint32_t> level_ends;  // of a tile: how many sums there are up to each level
   std::vector<RowGroup> groups;
+  // Rows by the number of their terms, then by lowest column, then by place; as they are: without regard to columns.
   // Row by row, group by group: entries of the tile by their lowest columns, whose sum is the row. Of a tile without leaves, which would gain nothing,
   // columns instead, with a code each.
   std::vector<std::uint16_t> terms;

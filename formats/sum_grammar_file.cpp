@@ -261,7 +261,8 @@ class Decoder {
  private:
   struct Row {
     std::uint32_t place, terms;
-    std::uint64_t term = 0;  // where its terms go
+    std::uint64_t term = 0;    // where its terms are
+    std::uint32_t anchor = 0;  // its lowest column; as it is: 0
   };
 
   [[noreturn]] void fail(Stream stream, const std::string& what) const {
@@ -336,43 +337,48 @@ class Decoder {
     grammar_.level_ends.push_back(static_cast<std::uint32_t>(ranks_.size() - leaf_count));
   }
 
-  // Rows come by place and lie by the number of their terms.
+  // Rows come by place and lie by the number of their terms, then by lowest column.
   void tileRows(std::vector<Row>& rows) {
-    std::vector<std::uint32_t> order(rows.size());
-    std::iota(order.begin(), order.end(), 0U);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return rows[a].terms < rows[b].terms; });
     const bool plain = ranks_.size() == 0;
-    std::uint64_t terms = 0, left = streams_[plain ? kPlainColumns : kTermRanks].size() -
-                                    next_[plain ? kPlainColumns : kTermRanks];
+    const Stream stream = plain ? kPlainColumns : kTermRanks;
+    std::uint64_t terms = 0;
     for (const Row& row : rows) terms += row.terms;
-    if (terms > left) fail(plain ? kPlainColumns : kTermRanks, "the values end too early");
+    if (terms > streams_[stream].size() - next_[stream]) fail(stream, "the values end too early");
+    std::vector<std::uint16_t> by_place(terms);
+    std::vector<std::uint8_t> codes(plain ? terms : 0);
     std::uint64_t term = 0;
-    std::uint32_t last = 0;
-    for (const std::uint32_t i : order) {
-      if (rows[i].terms != last) grammar_.groups.push_back({rows[i].terms, 0});
-      last = rows[i].terms;
-      ++grammar_.groups.back().rows;
-      grammar_.row_places.push_back(rows[i].place);
-      rows[i].term = term;
-      term += rows[i].terms;
-    }
-    const std::size_t first_term = grammar_.terms.size(), first_code = grammar_.term_codes.size();
-    grammar_.terms.resize(first_term + terms);
-    if (plain) grammar_.term_codes.resize(first_code + terms);
     std::int64_t anchor = 0;
-    for (const Row& row : rows) {
-      std::uint16_t* out = grammar_.terms.data() + first_term + row.term;
+    for (Row& row : rows) {
+      row.term = term;
       if (plain) {
-        plainRow(row.terms, out, grammar_.term_codes.data() + first_code + row.term);
-        continue;
+        plainRow(row.terms, by_place.data() + term, codes.data() + term);
+      } else {
+        anchor += fromSignLast(get(kRowAnchors));
+        sharingRow(row.terms, static_cast<std::uint64_t>(anchor), by_place.data() + term);
+        row.anchor = static_cast<std::uint32_t>(anchor);
       }
-      anchor += fromSignLast(get(kRowAnchors));
-      std::uint64_t at = static_cast<std::uint64_t>(anchor);
-      for (std::uint32_t t = 0; t < row.terms; ++t) {
-        if (t > 0) at = ranks_.afterStep(at, get(kTermSteps));
-        out[t] = entry(kTermRanks, at);
-      }
+      term += row.terms;
+    }
+    std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
+      return a.terms != b.terms ? a.terms < b.terms : a.anchor < b.anchor;
+    });
+    std::uint32_t last = 0;
+    for (const Row& row : rows) {
+      if (row.terms != last) grammar_.groups.push_back({row.terms, 0});
+      last = row.terms;
+      ++grammar_.groups.back().rows;
+      grammar_.row_places.push_back(row.place);
+      const std::uint16_t* from = by_place.data() + row.term;
+      grammar_.terms.insert(grammar_.terms.end(), from, from + row.terms);
+      if (plain)
+        grammar_.term_codes.insert(grammar_.term_codes.end(), codes.data() + row.term,
+                                   codes.data() + row.term + row.terms);
+    }
+  }
+  void sharingRow(std::uint32_t terms, std::uint64_t anchor, std::uint16_t* out) {
+    for (std::uint32_t t = 0; t < terms; ++t) {
+      if (t > 0) anchor = ranks_.afterStep(anchor, get(kTermSteps));
+      out[t] = entry(kTermRanks, anchor);
     }
   }
   void plainRow(std::uint32_t terms, std::uint16_t* out, std::uint8_t* codes) {

@@ -20,22 +20,20 @@ float scaleOf(int subsamples) {
   return 1.0F / static_cast<float>(subsamples * subsamples);
 }
 
-std::vector<Radiance4> scaledLight(std::span<const Radiance4> light, float scale) {
-  std::vector<Radiance4> scaled(light.size());
+void scaledLight(std::span<const Radiance4> light, float scale, std::vector<Radiance4>& scaled) {
+  scaled.resize(light.size());
   for (std::size_t k = 0; k < light.size(); ++k) scaled[k] = light[k] * scale;
-  return scaled;
 }
 
 // Entry (code − 1) · texels + k is code / subsamples² of texel k's light.
-std::vector<Radiance4> lightByCode(std::span<const Radiance4> light, int subsamples) {
+void lightByCode(std::span<const Radiance4> light, int subsamples, std::vector<Radiance4>& scaled) {
   const int full = subsamples * subsamples;
-  std::vector<Radiance4> scaled(light.size() * full);
+  scaled.resize(light.size() * full);
   for (int code = 1; code <= full; ++code)
     for (std::size_t k = 0; k < light.size(); ++k)
       scaled[(code - 1) * light.size() + k] =
           code == full ? light[k]
                        : Radiance4(light[k] * (static_cast<float>(code) / static_cast<float>(full)));
-  return scaled;
 }
 
 // `kTerms` 0: any number.
@@ -138,10 +136,12 @@ void multiply(const SumGrammar& grammar, std::span<const Radiance4> light, std::
   if (light.size() != grammar.columnCount() || values.size() != grammar.row_places.size())
     throw std::invalid_argument("light and values do not fit the matrix");
   const bool tabled = grammar.subsamples <= kMostTabledSubsamples;
-  const std::vector<Radiance4> scaled =
-      tabled ? lightByCode(light, grammar.subsamples) : scaledLight(light, scaleOf(grammar.subsamples));
+  // Kept, as its pages cost more to get than to fill.
+  static thread_local std::vector<Radiance4> scaled;
+  tabled ? lightByCode(light, grammar.subsamples, scaled)
+         : scaledLight(light, scaleOf(grammar.subsamples), scaled);
   tbb::parallel_for(std::size_t{0}, grammar.tileCount(),
-                    TileProduct(grammar, scaled.data(), tabled, values.data()));
+                    TileProduct(grammar, scaled.data(), tabled, values.data()), tbb::simple_partitioner());
 }
 
 std::vector<std::uint32_t> valuePlaces(const SumGrammar& grammar) {
@@ -155,7 +155,8 @@ void multiply(const formats::PixelCodes& codes, std::span<const Radiance4> light
               std::span<Radiance4> values) {
   if (light.size() != codes.columnCount() || values.size() != codes.rowCount())
     throw std::invalid_argument("light and values do not fit the matrix");
-  const std::vector<Radiance4> scaled = scaledLight(light, scaleOf(codes.subsamples));
+  std::vector<Radiance4> scaled;
+  scaledLight(light, scaleOf(codes.subsamples), scaled);
   float factors[256];
   for (int code = 0; code < 256; ++code) factors[code] = static_cast<float>(code);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, codes.rowCount(), kRowsAtOnce),

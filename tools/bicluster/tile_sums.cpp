@@ -177,11 +177,12 @@ class Tables {
   }
 
   void addRows() {
-    std::vector<std::uint32_t> terms, begins = {0};
+    std::vector<std::uint32_t> terms, begins = {0}, first_columns;
     for (std::size_t row = 0; row < lists_.rows; ++row) {
       const std::size_t begin = terms.size();
       expand(lists_.list(row), terms);
       sortByAnchor(std::span(terms).subspan(begin));
+      first_columns.push_back(out_.leaves[anchorOf(terms[begin])].column);
       for (std::size_t i = begin; i < terms.size(); ++i) terms[i] = final_[terms[i]];
       begins.push_back(static_cast<std::uint32_t>(terms.size()));
     }
@@ -189,7 +190,8 @@ class Tables {
     std::iota(order.begin(), order.end(), 0U);
     const auto length = [&](std::uint32_t row) { return begins[row + 1] - begins[row]; };
     std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return length(a) != length(b) ? length(a) < length(b) : rows_[a] < rows_[b];
+      if (length(a) != length(b)) return length(a) < length(b);
+      return first_columns[a] != first_columns[b] ? first_columns[a] < first_columns[b] : rows_[a] < rows_[b];
     });
     out_.row_begins.push_back(0);
     for (const std::uint32_t row : order) {

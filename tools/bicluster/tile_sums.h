@@ -11,7 +11,7 @@
 namespace bakelight::bicluster {
 
 struct SumOptions {
-  std::uint32_t rows_per_tile = 8192;
+  std::uint32_t rows_per_tile = 16384;
   // A sum is made only for so many uses: 2 gives the fewest additions, more gives smaller tables.
   std::uint32_t least_uses = 2;
 };
@@ -25,7 +25,8 @@ struct TileSums {
   std::vector<Leaf> leaves;
   std::vector<std::array<std::uint16_t, 2>> sums;  // by level
   std::vector<std::uint32_t> level_ends;
-  // Rows by the number of their terms, then by their place.
+  // Rows by the number of their terms, then by their lowest column (so that rows near each other use the same entries), then by
+  // their place.
   std::vector<std::uint32_t> rows;        // places in the matrix
   std::vector<std::uint32_t> row_begins;  // of their terms; one more
   std::vector<std::uint16_t> terms;
