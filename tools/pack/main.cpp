@@ -22,7 +22,8 @@ constexpr const char* kReflectionNow =
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::filesystem::path mesh_path, material_path, transfer_path, brdf_path, rtt_path, id_map_path, pack_path;
+  std::filesystem::path mesh_path, material_path, transfer_path, brdf_path, rtt_path, btf_path, id_map_path,
+      pack_path;
   packing::PackingOptions options;
   formats::PackOptions file_options;
 
@@ -34,6 +35,10 @@ int main(int argc, char** argv) {
       .input("brdf", "tensors", brdf_path, "With reflection table: safetensors file of the brdf tool", false)
       .input("rtt", "rtt", rtt_path,
              "Radiance transfer textures of the materials' patches, as rtt writes them", false)
+      .input("btf", "btf", btf_path,
+             "With transfer in a pixel basis: the BTF of the material's patch, as rtt writes it, for all "
+             "materials that have none of their own",
+             false)
       .input("id_map", "id_map", id_map_path,
              "Which place of its patch each texel shows; without it, texture coordinates lay the patches out",
              false)
@@ -52,6 +57,11 @@ int main(int argc, char** argv) {
           "relief", options.rtt.relief,
           "Look views of deep patches up where each sees the same point, by heights; else all at one place "
           "of the mid-plane, where they show it twice")
+      .parameter("btf_error", options.btf.error, {0, 1}, "",
+                 "Relative error that principal components of BTFs may leave; 0 keeps all")
+      .parameter("btf_precision", options.btf.precision, formats::kPrecisions, "Numbers of BTFs' factors")
+      .parameter("crease_angle", options.crease_angle, {0, 180}, "degrees",
+                 "Pixel basis: corners whose frames differ by more are not interpolated between")
       .parameter("draco", file_options.draco, "Compress the mesh with Draco, for distribution")
       .parameter("position_bits", file_options.position_bits, {0, 30}, "bits",
                  "With draco: quantise positions to 8 to 30 bits an axis; 0 keeps them exact")
@@ -68,9 +78,13 @@ int main(int argc, char** argv) {
     if (!brdf_path.empty()) brdf = formats::readSafetensors(brdf_path);
     formats::TriangleMesh mesh = formats::readPly(mesh_path);
     packing::PatchSources patches;
-    if (!rtt_path.empty()) patches = packing::readPatchSources(rtt_path, id_map_path);
+    if (!rtt_path.empty() || !btf_path.empty()) patches = packing::readPatchSources(rtt_path, id_map_path);
     formats::Materials materials = formats::readMaterialsOrDefault(material_path);
     packing::takeMaterials(materials, patches);
+    if (!btf_path.empty()) patches.btfs[""] = formats::openBtf(btf_path);
+    // In a directional basis; without transfer for them, they are none of this tool's business.
+    if (transfer.requireMetadata("technique", transfer_path.string()) == "pixel")
+      packing::takeBtfs(materials, patches);
     formats::takePatchAlbedo(materials, patches.textures);
     options.material = formats::materialsOn(mesh, materials, mesh_path.string(), material_path.string());
     std::vector<packing::TextureFigures> textures;

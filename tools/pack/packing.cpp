@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -92,46 +93,41 @@ const formats::RadianceTransferTexture* textureOf(const PatchSources& patches, c
   return patches.own_materials.contains(material) ? nullptr : own;
 }
 
-// `material` as the mesh calls it.
-formats::RttReflection texturedReflection(const formats::RadianceTransferTexture& texture,
-                                          const std::string& material, const formats::TriangleMesh& mesh,
-                                          const PackingOptions& options, const PatchSources& patches,
-                                          bool with_index, const SourceNames& files,
-                                          std::vector<TextureFigures>* figures) {
+std::shared_ptr<const formats::Btf> btfOf(const PatchSources& patches, const std::string& material) {
+  auto found = patches.btfs.find(material);
+  if (found == patches.btfs.end() && !patches.own_materials.contains(material)) found = patches.btfs.find("");
+  return found == patches.btfs.end() ? nullptr : found->second;
+}
+
+// Where the patch of `material`, as the mesh calls it, or else of `source`, lies.
+void layOut(formats::FactoredPatch& patch, const std::string& material, const std::string& source,
+            const formats::TriangleMesh& mesh, const PatchSources& patches, bool with_index,
+            const SourceNames& files) {
   if (mesh.texcoords.size() != mesh.vertexCount())
     throw badInput({files.mesh, "", "/rtt"},
                    "a patch is looked up by texture coordinates, which this mesh has none of",
                    "the mesh that atlas wrote, or one with texture coordinates of its own");
-  PackedRtt packed = packRtt(texture, options.rtt, files.rtt);
-  formats::RttReflection& reflection = packed.reflection;
   auto given = patches.widths.find(material);
-  if (given == patches.widths.end()) given = patches.widths.find(texture.material);
+  if (given == patches.widths.end()) given = patches.widths.find(source);
   const auto width = given == patches.widths.end() ? std::nullopt : std::optional(given->second);
   const transport::PatchRepeats repeats = transport::patchRepeats(mesh, width);
-  reflection.patch_width = static_cast<float>(patches.id_map ? width.value_or(repeats.width) : repeats.width);
-  if (!patches.id_map) reflection.repeats = static_cast<float>(repeats.repeats);
-  if (patches.id_map && with_index) reflection.index = packIndex(*patches.id_map);
-  if (figures != nullptr)
-    figures->push_back({material, reflection.components, packed.error, double{reflection.patch_width}});
-  return std::move(packed.reflection);
+  patch.patch_width = static_cast<float>(patches.id_map ? width.value_or(repeats.width) : repeats.width);
+  if (!patches.id_map) patch.repeats = static_cast<float>(repeats.repeats);
+  if (patches.id_map && with_index) patch.index = packIndex(*patches.id_map);
 }
+
+// What a material reflects. The first patch brings the index, which serves all.
+using ReflectionOf = std::function<formats::PackPart(const std::string& material,
+                                                     const formats::Reflection& reflection, bool& has_index)>;
 
 // One for each material that a triangle has; one without a name for a mesh that tells none apart.
 std::vector<formats::Appearance> appearancesOf(formats::TriangleMesh& mesh, const PackingOptions& options,
-                                               int output_order, const TensorFile* brdf,
-                                               const SourceNames& files, const PatchSources& patches,
-                                               std::vector<TextureFigures>* figures) {
+                                               const ReflectionOf& reflection_of) {
   const formats::SurfaceMaterials& material = options.material;
   bool has_index = false;
-  const auto reflectionAt = [&](std::size_t triangle) -> formats::PackPart {
+  const auto reflectionAt = [&](std::size_t triangle) {
     const std::size_t index = material.of_triangle.empty() ? 0 : material.of_triangle[triangle];
-    if (const auto* texture = textureOf(patches, material.names[index])) {
-      const bool with_index = !std::exchange(has_index, true);
-      return texturedReflection(*texture, material.names[index], mesh, options, patches, with_index, files,
-                                figures);
-    }
-    return reflectionFor(material.reflections[index], material.names[index], output_order, options, brdf,
-                         files);
+    return reflection_of(material.names[index], material.reflections[index], has_index);
   };
   std::vector<formats::Appearance> appearances;
   const std::vector<std::size_t> triangles = formats::trianglesOfMaterials(mesh);
@@ -202,24 +198,82 @@ formats::Json toJson(const std::vector<TextureFigures>& textures) {
     json.push_back({{"material", texture.material},
                     {"components", texture.components},
                     {"error", texture.error},
-                    {"patch_width", texture.patch_width}});
+                    {"patch_width", texture.patch_width},
+                    {"storage_ratio", texture.ratio}});
   return json;
 }
+
+namespace {
+
+formats::Pack assembleShPack(formats::TriangleMesh mesh, const TensorSource& source, const TensorFile* brdf,
+                             const PackingOptions& options, const SourceNames& files,
+                             const PatchSources& patches, std::vector<TextureFigures>& textures) {
+  formats::ShTransfer read = readTransfer(source, mesh.vertexCount(), options.precision);
+  requireSameMesh(source, mesh, files.mesh);
+  requireSameAlbedo(source, mesh.vertexCount(), options.material);
+  const int output_order = read.glossy ? read.glossy->output_order : 0;
+  std::vector<formats::Appearance> appearances =
+      appearancesOf(mesh, options,
+                    [&](const std::string& material, const formats::Reflection& reflection,
+                        bool& has_index) -> formats::PackPart {
+                      const auto* texture = textureOf(patches, material);
+                      if (texture == nullptr)
+                        return reflectionFor(reflection, material, output_order, options, brdf, files);
+                      PackedRtt packed = packRtt(*texture, options.rtt, files.rtt);
+                      layOut(packed.reflection, material, texture->material, mesh, patches,
+                             !std::exchange(has_index, true), files);
+                      textures.push_back({material, packed.reflection.components, packed.error,
+                                          double{packed.reflection.patch_width}});
+                      return std::move(packed.reflection);
+                    });
+  formats::Pack pack{options.name, std::move(mesh), {}, std::move(read), std::move(appearances)};
+  takeAlbedo(options.material, pack);
+  checkCombination(pack, files);
+  return pack;
+}
+
+formats::Pack assemblePixelPack(formats::TriangleMesh mesh, const TensorSource& source,
+                                const PackingOptions& options, const SourceNames& files,
+                                const PatchSources& patches, std::vector<TextureFigures>& textures) {
+  formats::PixelTransfer read = readPixelTransfer(source, mesh.vertexCount());
+  read.crease_angle = static_cast<float>(options.crease_angle);
+  requireSameMesh(source, mesh, files.mesh);
+  std::vector<formats::Appearance> appearances = appearancesOf(
+      mesh, options,
+      [&](const std::string& material, const formats::Reflection& reflection,
+          bool& has_index) -> formats::PackPart {
+        const std::shared_ptr<const formats::Btf> btf = btfOf(patches, material);
+        if (btf == nullptr) {
+          if (options.reflection != ShownReflection::kNone &&
+              !std::holds_alternative<formats::Lambert>(reflection))
+            throw badInput({files.material, "material \"" + material + "\"", "/reflection"},
+                           "with transfer in a pixel basis a reflection without a patch has no form",
+                           "a BTF, or a diffuse material", "give it a patch, or set reflection none");
+          return formats::LambertReflection();
+        }
+        PackedBtf packed = packBtf(*btf, read.local_side, options.btf);
+        layOut(packed.reflection, material, "", mesh, patches, !std::exchange(has_index, true), files);
+        textures.push_back({material, packed.reflection.components, double{packed.reflection.error},
+                            double{packed.reflection.patch_width}, packed.ratio});
+        return std::move(packed.reflection);
+      });
+  formats::Pack pack{options.name, std::move(mesh), {}, std::move(read), std::move(appearances)};
+  takeAlbedo(options.material, pack);
+  return pack;
+}
+
+}  // namespace
 
 formats::Pack assemblePack(formats::TriangleMesh mesh, const TensorFile& transfer, const TensorFile* brdf,
                            const PackingOptions& options, const SourceNames& files,
                            const PatchSources& patches, std::vector<TextureFigures>* textures) {
   const TensorSource source(transfer, files.transfer,
                             "bake it again, for this mesh and by the transfer tool of this version");
-  formats::ShTransfer read = readTransfer(source, mesh.vertexCount(), options.precision);
-  requireSameMesh(source, mesh, files.mesh);
-  requireSameAlbedo(source, mesh.vertexCount(), options.material);
-  const int output_order = read.glossy ? read.glossy->output_order : 0;
-  std::vector<formats::Appearance> appearances =
-      appearancesOf(mesh, options, output_order, brdf, files, patches, textures);
-  formats::Pack pack{options.name, std::move(mesh), {}, std::move(read), std::move(appearances)};
-  takeAlbedo(options.material, pack);
-  checkCombination(pack, files);
+  std::vector<TextureFigures> figures;
+  formats::Pack pack = source.text("technique") == "pixel"
+                           ? assemblePixelPack(std::move(mesh), source, options, files, patches, figures)
+                           : assembleShPack(std::move(mesh), source, brdf, options, files, patches, figures);
+  if (textures != nullptr) *textures = std::move(figures);
   return pack;
 }
 
@@ -264,7 +318,8 @@ std::map<std::string, double> precisionErrors(const formats::Pack& pack, const T
   const auto error = [&](const EncodedTable& table, const char* tensor) {
     return relativeError(table, transfer.tensors.at(tensor).as<float>());
   };
-  if (!pack.sh().glossy) return {};
+  const auto* sh = pack.transfer.as<formats::ShTransfer>();
+  if (sh == nullptr || !sh->glossy) return {};
   const formats::Operator& stored = pack.sh().glossy->transfer;
   if (const auto* matrices = std::get_if<formats::MatrixOperator>(&stored))
     return {{"matrices", error(matrices->matrices, "matrix")}};

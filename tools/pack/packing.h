@@ -11,6 +11,7 @@
 #include "formats/tensors.h"
 #include "formats/triangle_mesh.h"
 #include "formats/words.h"
+#include "tools/pack/btf_packing.h"
 #include "tools/pack/rtt_packing.h"
 
 namespace bakelight::packing {
@@ -38,14 +39,17 @@ struct PackingOptions {
   formats::Precision precision = formats::Precision::kFloat32;
   ShownReflection reflection = ShownReflection::kLobe;
   RttPackingOptions rtt;
+  BtfPackingOptions btf;
+  double crease_angle = 60;  // PixelTransfer::crease_angle
 };
 
-// What an appearance's radiance transfer texture became.
+// What an appearance's radiance transfer texture or BTF became.
 struct TextureFigures {
   std::string material;
   int components = 0;
-  double error = 0;  // that the components leave (PackedRtt)
+  double error = 0;  // that the components leave (PackedRtt); of a BTF with what their precision costs
   double patch_width = 0;
+  double ratio = 0;  // of a BTF: PackedBtf; else 0
 };
 formats::Json toJson(const std::vector<TextureFigures>& textures);
 

@@ -67,11 +67,12 @@ void report(const formats::Pack& pack, const formats::TensorFile& transfer, std:
     bytes_per_vertex += static_cast<double>(section.size_bytes) / vertices;
   }
   run.stat("bytes_per_vertex", sizes);
-  const auto& glossy = pack.sh().glossy;
-  run.stat("storage", glossy ? glossy->operatorName() : "none");
+  const auto* sh = pack.transfer.as<formats::ShTransfer>();
+  const bool is_glossy = sh != nullptr && sh->glossy.has_value();
+  run.stat("storage", sh == nullptr ? "csr" : is_glossy ? sh->glossy->operatorName() : "none");
   run.stat("materials", written.appearances.size());
   run.stat("albedo_source", pack.colors.empty() ? "material" : "vertices");
-  if (glossy) run.stat("precision_error", precisionErrors(pack, transfer));
+  if (is_glossy) run.stat("precision_error", precisionErrors(pack, transfer));
   if (reflectsTooMuch(pack)) {
     run.warn("albedo and specular_color add up to more than 1: the object reflects more light than it gets");
   }

@@ -38,6 +38,7 @@ Eigen::MatrixXd gramMatrix(const Samples& samples) {
 struct Basis {
   Eigen::MatrixXf columns;  // values × components
   double error = 0;
+  double total = 0;  // Σ value²
 };
 
 Basis principalComponents(const Samples& samples, double error) {
@@ -51,7 +52,7 @@ Basis principalComponents(const Samples& samples, double error) {
   };
   do count = std::min<Eigen::Index>(count + 4, energies.size());
   while (count < energies.size() && (error <= 0 || left() > error));
-  Basis basis{solver.eigenvectors().rowwise().reverse().leftCols(count).cast<float>(), left()};
+  Basis basis{solver.eigenvectors().rowwise().reverse().leftCols(count).cast<float>(), left(), total};
   // Eigenvectors have no sign of their own; one that no rounding turns: the largest value is positive.
   for (Eigen::Index k = 0; k < count; ++k) {
     Eigen::Index largest = 0;
@@ -119,7 +120,8 @@ bool hasRelief(const RadianceTransferTexture& texture) {
 }  // namespace
 
 PatchSources readPatchSources(const std::filesystem::path& rtt, const std::filesystem::path& id_map) {
-  PatchSources sources{formats::readRadianceTransferTextures(rtt), std::nullopt, {}};
+  PatchSources sources;
+  if (!rtt.empty()) sources.textures = formats::readRadianceTransferTextures(rtt);
   if (id_map.empty()) return sources;
   sources.id_map = formats::readIndexExr(id_map, {"patch.U", "patch.V"});
   const std::map<std::string, std::string> metadata = formats::readImageMetadata(id_map);
@@ -141,44 +143,65 @@ void takeMaterials(const formats::Materials& materials, PatchSources& patches) {
   for (const auto& [name, material] : materials.by_name) take(name, material);
 }
 
-PackedRtt packRtt(const RadianceTransferTexture& texture, const RttPackingOptions& options,
-                  const std::string& file) {
-  const Eigen::Index texels = static_cast<Eigen::Index>(texture.texelCount()),
-                     views = static_cast<Eigen::Index>(texture.viewCount()),
-                     values = static_cast<Eigen::Index>(texture.responseSize());
-  const Samples samples(texture.values.data(), views * texels, values);
-  const Basis basis = principalComponents(samples, options.error);
-  const Eigen::Index components = basis.columns.cols();
-  const std::vector<RttLevel> levels = formats::rttLevels(texture.width, texture.height);
+void takeBtfs(const formats::Materials& materials, PatchSources& patches) {
+  const auto take = [&](const std::string& name, const formats::Material& material) {
+    if (material.patch && !material.patch->btf.empty())
+      patches.btfs[name] = formats::openBtf(material.patch->btf);
+  };
+  take("", materials.base);
+  for (const auto& [name, material] : materials.by_name) take(name, material);
+}
 
-  std::vector<float> factors(formats::rttTexelCount(levels) * texture.viewCount() *
-                             static_cast<std::size_t>(components));
+FactoringFigures factorPatch(const PatchSamples& source, double error, formats::Precision precision,
+                             const std::string& file, formats::FactoredPatch& patch) {
+  const auto texels = static_cast<Eigen::Index>(source.width) * source.height;
+  const auto views = static_cast<Eigen::Index>(source.views) * source.views;
+  const Samples samples(source.values.data(), views * texels, static_cast<Eigen::Index>(source.incident));
+  const Basis basis = principalComponents(samples, error);
+  const Eigen::Index components = basis.columns.cols();
+  const std::vector<RttLevel> levels = formats::rttLevels(source.width, source.height);
+  const auto rowOf = [&](std::size_t texel, Eigen::Index view) {
+    return (texel * static_cast<std::size_t>(views) + static_cast<std::size_t>(view)) *
+           static_cast<std::size_t>(components);
+  };
+
+  std::vector<float> factors(formats::rttTexelCount(levels) * static_cast<std::size_t>(views * components));
   tbb::parallel_for(Eigen::Index{0}, views, [&](Eigen::Index view) {
     const Matrix finest = samples.middleRows(view * texels, texels) * basis.columns;
     for (const RttLevel& level : levels) {
       const Matrix means =
-          level.first_texel == 0 ? finest : meansOver(finest, texture.width, texture.height, level);
+          level.first_texel == 0 ? finest : meansOver(finest, source.width, source.height, level);
       for (Eigen::Index t = 0; t < means.rows(); ++t)
         std::copy_n(means.row(t).data(), components,
-                    &factors[((level.first_texel + static_cast<std::size_t>(t)) * texture.viewCount() +
-                              static_cast<std::size_t>(view)) *
-                             static_cast<std::size_t>(components)]);
+                    &factors[rowOf(level.first_texel + static_cast<std::size_t>(t), view)]);
     }
   });
 
+  patch.views = source.views;
+  patch.width = source.width;
+  patch.height = source.height;
+  patch.components = static_cast<int>(components);
+  patch.factors = formats::encodeTable(factors, static_cast<std::size_t>(components), precision, file,
+                                       "factors of the patch");
+  patch.basis.assign(basis.columns.data(),
+                     basis.columns.data() + basis.columns.size());  // column by column
+  // The basis is orthonormal, so what factors lose is lost in values, beside what components leave.
+  const std::vector<float> stored = patch.factors.decode();
+  double lost = 0;
+  for (std::size_t i = 0; i < rowOf(static_cast<std::size_t>(texels), 0); ++i)
+    lost += (double{stored[i]} - factors[i]) * (double{stored[i]} - factors[i]);
+  const double total = basis.total > 0 ? lost / basis.total : 0;
+  return {basis.error, std::sqrt(basis.error * basis.error + total)};
+}
+
+PackedRtt packRtt(const RadianceTransferTexture& texture, const RttPackingOptions& options,
+                  const std::string& file) {
   PackedRtt packed;
-  packed.error = basis.error;
-  formats::RttReflection& reflection = packed.reflection;
-  reflection.order = texture.order;
-  reflection.views = texture.views;
-  reflection.width = texture.width;
-  reflection.height = texture.height;
-  reflection.components = static_cast<int>(components);
-  reflection.factors = formats::encodeTable(factors, static_cast<std::size_t>(components), options.precision,
-                                            file, "factors of the radiance transfer texture");
-  if (options.relief && hasRelief(texture)) reflection.heights = packHeights(texture, levels, file);
-  reflection.basis.assign(basis.columns.data(),
-                          basis.columns.data() + basis.columns.size());  // column by column
+  packed.reflection.order = texture.order;
+  packed.error =
+      factorPatch({texture.values, texture.views, texture.width, texture.height, texture.responseSize()},
+                  options.error, options.precision, file, packed.reflection)
+          .components;
   return packed;
 }
 

@@ -3,11 +3,14 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "formats/btf.h"
 #include "formats/index_image.h"
 #include "formats/material.h"
 #include "formats/radiance_transfer_texture.h"
@@ -18,6 +21,8 @@ namespace bakelight::packing {
 // Of materials with meso-structure.
 struct PatchSources {
   std::vector<formats::RadianceTransferTexture> textures;
+  // By material, "" the asset's own, for transfer in a pixel basis.
+  std::map<std::string, std::shared_ptr<const formats::Btf>> btfs = {};
   // Where they lie; nothing: by the mesh's texture coordinates.
   std::optional<formats::IndexImage> id_map;
   // By material: the width of its patch in the mesh's unit.
@@ -26,10 +31,14 @@ struct PatchSources {
   std::set<std::string> own_materials = {};
 };
 // `id_map` may be empty. Throws Error(kBadInput) as the readers of both files.
+// Without `rtt` there are no textures.
 PatchSources readPatchSources(const std::filesystem::path& rtt, const std::filesystem::path& id_map);
 
 // What materials say of patches: their names, and widths of patches that lie by texture coordinates; an id map brings its own.
 void takeMaterials(const formats::Materials& materials, PatchSources& patches);
+
+// Opens the `.btf` files that materials name as their patches' BTFs. Throws as formats::openBtf.
+void takeBtfs(const formats::Materials& materials, PatchSources& patches);
 
 struct RttPackingOptions {
   // Principal components are taken until what they leave is less: relative root mean square over all coefficients, views and
@@ -38,6 +47,20 @@ struct RttPackingOptions {
   formats::Precision precision = formats::Precision::kFloat16;
   bool relief = true;  // keep heights where the texture has any but zero
 };
+
+// What places of a patch send towards views, of each incident value.
+struct PatchSamples {
+  std::span<const float> values;  // [view][texel][incident value]
+  int views = 1, width = 0, height = 0;
+  std::size_t incident = 0;  // three colors of each
+};
+struct FactoringFigures {
+  double components = 0;  // relative root mean square error that the components leave
+  double stored = 0;      // with what the factors' precision costs at the finest level
+};
+// Fills in all of `patch` but patch_width, index and repeats. `error` as RttPackingOptions.
+FactoringFigures factorPatch(const PatchSamples& source, double error, formats::Precision precision,
+                             const std::string& file, formats::FactoredPatch& patch);
 
 struct PackedRtt {
   formats::RttReflection reflection;  // without patch_width, index and repeats

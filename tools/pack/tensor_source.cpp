@@ -32,12 +32,16 @@ void TensorSource::requireText(const char* key, const std::string& expected) con
 }
 
 int TensorSource::order(const char* key) const {
+  return integer(key, 10);
+}
+
+int TensorSource::integer(const char* key, int most) const {
   const std::string& digits = text(key);
-  int order = 0;
-  const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), order);
-  if (status == std::errc() && end == digits.data() + digits.size() && order >= 1 && order <= 10)
-    return order;
-  throw error(std::string("metadata ") + key, "it is '" + digits + "'", "1 to 10");
+  int value = 0;
+  const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (status == std::errc() && end == digits.data() + digits.size() && value >= 1 && value <= most)
+    return value;
+  throw error(std::string("metadata ") + key, "it is '" + digits + "'", "1 to " + std::to_string(most));
 }
 
 const Tensor& TensorSource::tensor(const char* name, std::size_t rank, ElementType type) const {

@@ -28,7 +28,8 @@ class TensorSource {
   // All of these throw Error(kBadInput).
   const std::string& text(const char* key) const;
   void requireText(const char* key, const std::string& expected) const;
-  int order(const char* key) const;  // 1–10
+  int order(const char* key) const;              // 1–10
+  int integer(const char* key, int most) const;  // 1–most
 
   bool has(const char* name) const { return tensors_.tensors.contains(name); }
   const formats::Tensor& tensor(const char* name, std::size_t rank,

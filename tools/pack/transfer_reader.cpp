@@ -141,4 +141,33 @@ formats::ShTransfer readTransfer(const TensorSource& source, std::uint64_t verti
   return TransferReader(source, vertices, precision).read();
 }
 
+formats::PixelTransfer readPixelTransfer(const TensorSource& source, std::uint64_t vertices) {
+  formats::PixelCodes codes;
+  codes.cube_side = source.integer("cube_side", formats::kMostCubeSide);
+  codes.local_side = source.integer("local_side", formats::kMostLocalSide);
+  codes.subsamples = source.integer("subsamples", formats::kMostSubsamples);
+  const std::uint64_t rows = vertices * squared(codes.local_side);
+  codes.row_offsets =
+      source.tensor("row_offsets", {rows + 1}, "vertices × local_side² + 1", ElementType::kInt64)
+          .as<std::uint64_t>();
+  const std::uint64_t entries = codes.row_offsets.back();
+  codes.columns =
+      source.tensor("columns", {entries}, "as many as row_offsets ends with", ElementType::kUint16)
+          .as<std::uint16_t>();
+  codes.codes = source.tensor("codes", {entries}, "as many as row_offsets ends with", ElementType::kUint8)
+                    .as<std::uint8_t>();
+  const std::uint64_t most = codes.columnCount();
+  for (std::uint64_t row = 0; row < rows; ++row)
+    if (codes.row_offsets[row] > codes.row_offsets[row + 1] ||
+        codes.row_offsets[row + 1] - codes.row_offsets[row] > most || (row == 0 && codes.row_offsets[0] != 0))
+      throw source.error("tensor row_offsets, row " + std::to_string(row),
+                         "it ends at " + std::to_string(codes.row_offsets[row + 1]) + " and begins at " +
+                             std::to_string(codes.row_offsets[row]),
+                         "from 0 on, no row longer than " + std::to_string(most) + " texels");
+  const auto values = source.tensor("tangents", {vertices, 4}, "vertices × (x, y, z, sign)").as<float>();
+  std::vector<formats::Float4> tangents(vertices);
+  if (!values.empty()) std::memcpy(tangents.data(), values.data(), values.size_bytes());
+  return formats::pixelTransferOf(codes, std::move(tangents));
+}
+
 }  // namespace bakelight::packing

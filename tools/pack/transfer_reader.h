@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "formats/pack_contents.h"
+#include "formats/pixel_transfer.h"
 #include "tools/pack/tensor_source.h"
 
 namespace bakelight::packing {
@@ -12,5 +13,8 @@ namespace bakelight::packing {
 // pack cannot hold, and for values that do not fit `precision` (see PackingOptions).
 formats::ShTransfer readTransfer(const TensorSource& source, std::uint64_t vertices,
                                  formats::Precision precision);
+
+// Of technique pixel. Throws likewise.
+formats::PixelTransfer readPixelTransfer(const TensorSource& source, std::uint64_t vertices);
 
 }  // namespace bakelight::packing
