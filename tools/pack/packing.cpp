@@ -252,6 +252,11 @@ formats::Pack assemblePixelPack(formats::TriangleMesh mesh, const TensorSource& 
           return formats::LambertReflection();
         }
         PackedBtf packed = packBtf(*btf, read.local_side, options.btf);
+        // The texture of the same run, if it is given, knows where views see the same.
+        const formats::RadianceTransferTexture* texture = textureOf(patches, material);
+        if (texture != nullptr && texture->views == packed.reflection.views &&
+            texture->width == packed.reflection.width && texture->height == packed.reflection.height)
+          packed.reflection.heights = reliefOf(*texture, options.rtt, files.rtt);
         layOut(packed.reflection, material, "", mesh, patches, !std::exchange(has_index, true), files);
         textures.push_back({material, packed.reflection.components, double{packed.reflection.error},
                             double{packed.reflection.patch_width}, packed.ratio});

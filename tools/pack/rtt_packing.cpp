@@ -94,29 +94,6 @@ Matrix meansOver(const Matrix& finest, int width, int height, const RttLevel& le
   return means;
 }
 
-// One for each texel of each level and view.
-formats::EncodedTable packHeights(const RadianceTransferTexture& texture, const std::vector<RttLevel>& levels,
-                                  const std::string& file) {
-  const std::size_t views = texture.viewCount();
-  std::vector<float> heights(formats::rttTexelCount(levels) * views);
-  for (std::size_t view = 0; view < views; ++view) {
-    const Matrix finest = Eigen::Map<const Matrix>(&texture.heights[view * texture.texelCount()],
-                                                   static_cast<Eigen::Index>(texture.texelCount()), 1);
-    for (const RttLevel& level : levels) {
-      const Matrix means =
-          level.first_texel == 0 ? finest : meansOver(finest, texture.width, texture.height, level);
-      for (Eigen::Index t = 0; t < means.rows(); ++t)
-        heights[(level.first_texel + static_cast<std::size_t>(t)) * views + view] = means(t, 0);
-    }
-  }
-  return formats::encodeTable(heights, 1, formats::Precision::kFloat16, file,
-                              "heights of the radiance transfer texture");
-}
-
-bool hasRelief(const RadianceTransferTexture& texture) {
-  return std::any_of(texture.heights.begin(), texture.heights.end(), [](float h) { return h != 0; });
-}
-
 }  // namespace
 
 PatchSources readPatchSources(const std::filesystem::path& rtt, const std::filesystem::path& id_map) {
@@ -203,6 +180,27 @@ PackedRtt packRtt(const RadianceTransferTexture& texture, const RttPackingOption
                   options.error, options.precision, file, packed.reflection)
           .components;
   return packed;
+}
+
+std::optional<formats::EncodedTable> reliefOf(const RadianceTransferTexture& texture,
+                                              const RttPackingOptions& options, const std::string& file) {
+  if (!options.relief ||
+      std::all_of(texture.heights.begin(), texture.heights.end(), [](float h) { return h == 0; }))
+    return std::nullopt;
+  const std::vector<RttLevel> levels = formats::rttLevels(texture.width, texture.height);
+  const std::size_t views = texture.viewCount();
+  std::vector<float> heights(formats::rttTexelCount(levels) * views);
+  for (std::size_t view = 0; view < views; ++view) {
+    const Matrix finest = Eigen::Map<const Matrix>(&texture.heights[view * texture.texelCount()],
+                                                   static_cast<Eigen::Index>(texture.texelCount()), 1);
+    for (const RttLevel& level : levels) {
+      const Matrix means =
+          level.first_texel == 0 ? finest : meansOver(finest, texture.width, texture.height, level);
+      for (Eigen::Index t = 0; t < means.rows(); ++t)
+        heights[(level.first_texel + static_cast<std::size_t>(t)) * views + view] = means(t, 0);
+    }
+  }
+  return formats::encodeTable(heights, 1, formats::Precision::kFloat16, file, "heights of the patch");
 }
 
 formats::PackImage packIndex(const formats::IndexImage& id_map) {

@@ -72,6 +72,10 @@ struct PackedRtt {
 PackedRtt packRtt(const formats::RadianceTransferTexture& texture, const RttPackingOptions& options,
                   const std::string& file);
 
+// Heights of a texture, for all levels, unless it has none but zeros or `options` leave them out.
+std::optional<formats::EncodedTable> reliefOf(const formats::RadianceTransferTexture& texture,
+                                              const RttPackingOptions& options, const std::string& file);
+
 // What idmap wrote, in 256 steps. Throws Error(kBadInput) naming file and channel.
 formats::PackImage packIndex(const formats::IndexImage& id_map);
 

@@ -142,6 +142,31 @@ TEST(BiScaleShading, ViewsAreOfTheVertexFrame) {
   }
 }
 
+// A sun of 1e6 beside a sky of 1, along relief and between levels: the sum of both, to the digits of the larger.
+TEST(BiScaleShading, IsLinearInTheLight) {
+  RttReflection rtt = tests::madeRtt(kOrder, 4, 16, 8, 12);
+  rtt.patch_width = 0.3F;
+  const Pack pack = squarePack(rtt);
+  const ShLight sky = constantLight({1, 0.9F, 0.8F});
+  ShLight sun(sky.size(), Float3{0, 0, 0}), both = sky;
+  const std::vector<double> basis = evaluateSh(kOrder, Vec3(0.3, 0.9, 0.2).normalized());
+  for (std::size_t i = 0; i < sun.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) {
+      sun[i][c] = static_cast<float>(1e6 * basis[i]);
+      both[i][c] += sun[i][c];
+    }
+  for (const double slope : {0.1, 1.0, 6.0}) {
+    const ViewPoint view(Vec3(slope, 1, -0.2), 0.02);
+    const Float3 of_sky = radianceAt(pack, sky, view, 0.3F, 0.4F),
+                 of_sun = radianceAt(pack, sun, view, 0.3F, 0.4F),
+                 of_both = radianceAt(pack, both, view, 0.3F, 0.4F);
+    for (std::size_t c = 0; c < 3; ++c) {
+      EXPECT_GT(std::abs(of_sun[c]), 100);
+      EXPECT_NEAR(of_both[c], of_sun[c] + of_sky[c], 2e-6 * 1e6) << slope;
+    }
+  }
+}
+
 // The patch's lower left is at small u and v; it is repeated.
 TEST(BiScaleShading, PlacesFollowTextureCoordinates) {
   RttReflection rtt = rttOf(1, 16, 8, [](double u, double v, const Vec3&) { return 1 + u + 10 * v; });
