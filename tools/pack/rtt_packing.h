@@ -21,14 +21,14 @@ namespace bakelight::packing {
 // Of materials with meso-structure.
 struct PatchSources {
   std::vector<formats::RadianceTransferTexture> textures;
-  // By material, "" the asset's own, for transfer in a pixel basis.
-  std::map<std::string, std::shared_ptr<const formats::Btf>> btfs = {};
   // Where they lie; nothing: by the mesh's texture coordinates.
   std::optional<formats::IndexImage> id_map;
   // By material: the width of its patch in the mesh's unit.
   std::map<std::string, double> widths;
   // Names that have a material of their own: without a texture of that name they have no patch, whatever the asset's own has.
   std::set<std::string> own_materials = {};
+  // By material, "" the asset's own, for transfer in a pixel basis.
+  std::map<std::string, std::shared_ptr<const formats::Btf>> btfs = {};
 };
 // `id_map` may be empty. Throws Error(kBadInput) as the readers of both files.
 // Without `rtt` there are no textures.
