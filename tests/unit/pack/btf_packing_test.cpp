@@ -1,0 +1,209 @@
+#include "tools/pack/btf_packing.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "formats/error.h"
+#include "formats/mesh_ply.h"
+#include "tests/support/made_pixel_pack.h"
+#include "tests/support/shapes.h"
+#include "tools/pack/packing.h"
+#include "transport/hemisphere_grid.h"
+
+namespace bakelight::packing {
+namespace {
+
+using namespace bakelight::tests;
+using testing::HasSubstr;
+
+std::vector<formats::BtfDirection> gridDirections(int side) {
+  std::vector<formats::BtfDirection> directions;
+  for (int row = 0; row < side; ++row)
+    for (int column = 0; column < side; ++column) {
+      const Vec3 d = transport::hemisphereCell(side, column, row);
+      directions.push_back({std::acos(d.z()), std::atan2(d.y(), d.x())});
+    }
+  return directions;
+}
+
+double valueOf(int view, int light, int texel, int color) {
+  return 0.3 + 0.1 * std::sin(view + 0.3 * texel) * std::cos(0.7 * light) +
+         0.05 * color * std::cos(texel * 1.1 + light);
+}
+
+constexpr int kViews = 2, kLights = 4, kWidth = 4, kHeight = 2;
+
+// Lights in another order than the grid's.
+std::unique_ptr<formats::Btf> madeBtfFile(bool cosine_inside = true) {
+  formats::BtfInfo info;
+  info.file = "made.btf";
+  info.views = gridDirections(kViews);
+  info.lights = gridDirections(kLights);
+  std::reverse(info.lights.begin(), info.lights.end());
+  info.width = kWidth;
+  info.height = kHeight;
+  info.cosine_inside = cosine_inside;
+  std::vector<float> values;
+  for (int view = 0; view < kViews * kViews; ++view)
+    for (int light = kLights * kLights - 1; light >= 0; --light)
+      for (int texel = 0; texel < kWidth * kHeight; ++texel)
+        for (int color = 0; color < 3; ++color)
+          values.push_back(static_cast<float>(valueOf(view, light, texel, color)));
+  return formats::btfOf(std::move(info), std::move(values));
+}
+
+double valueIn(const formats::BtfReflection& btf, const std::vector<float>& factors, std::size_t texel,
+               std::size_t view, std::size_t light, std::size_t color) {
+  double sum = 0;
+  const auto components = static_cast<std::size_t>(btf.components);
+  for (std::size_t k = 0; k < components; ++k)
+    sum += factors[(texel * kViews * kViews + view) * components + k] *
+           btf.basisOf(static_cast<int>(k))[color * btf.cells() + light];
+  return sum;
+}
+
+TEST(BtfPacking, KeepsValuesWithinTheStatedError) {
+  for (const auto& [error, precision] : {std::pair(0.0, formats::Precision::kFloat32),
+                                         {0.02, formats::Precision::kFloat16},
+                                         {0.0, formats::Precision::kUint8}}) {
+    const PackedBtf packed = packBtf(*madeBtfFile(), kLights, {error, precision});
+    const formats::BtfReflection& btf = packed.reflection;
+    const std::vector<float> factors = btf.factors.decode();
+    double squared = 0, difference = 0;
+    for (std::size_t view = 0; view < 4; ++view)
+      for (std::size_t light = 0; light < 16; ++light)
+        for (std::size_t texel = 0; texel < 8; ++texel)
+          for (std::size_t color = 0; color < 3; ++color) {
+            const double value = valueOf(static_cast<int>(view), static_cast<int>(light),
+                                         static_cast<int>(texel), static_cast<int>(color));
+            squared += value * value;
+            difference += std::pow(valueIn(btf, factors, texel, view, light, color) - value, 2);
+          }
+    const double relative = std::sqrt(difference / squared);
+    EXPECT_NEAR(relative, btf.error, 0.02 * btf.error + 1e-6);
+    if (error > 0) {
+      EXPECT_LT(btf.error, error * 1.01);
+      EXPECT_LT(btf.components, 16);
+    }
+    EXPECT_GT(packed.ratio, 0);
+    // The last level is the mean over texels.
+    const std::size_t last = formats::rttTexelCount(formats::rttLevels(kWidth, kHeight)) - 1;
+    double mean = 0;
+    for (int texel = 0; texel < 8; ++texel) mean += valueOf(1, 5, texel, 2) / 8;
+    EXPECT_NEAR(valueIn(btf, factors, last, 1, 5, 2), mean, 0.02);
+  }
+}
+
+TEST(BtfPacking, MultipliesCosinesInWhereThereAreNone) {
+  const PackedBtf packed = packBtf(*madeBtfFile(false), kLights, {0, formats::Precision::kFloat32});
+  EXPECT_NEAR(valueIn(packed.reflection, packed.reflection.factors.decode(), 3, 2, 7, 1),
+              valueOf(2, 7, 3, 1) * transport::hemisphereCellCosine(kLights, 3, 1), 1e-5);
+}
+
+std::string messageOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(BtfPacking, RefusesOtherDirections) {
+  EXPECT_THAT(messageOf([] { packBtf(*madeBtfFile(), 8, {}); }), HasSubstr("local_side"));
+  formats::BtfInfo info = madeBtfFile()->info();
+  info.lights[3].polar_rad += 0.05;
+  const std::vector<float> values(4 * 16 * 8 * 3, 0.5F);
+  EXPECT_THAT(messageOf([&] { packBtf(*formats::btfOf(info, values), kLights, {}); }),
+              HasSubstr("its lights"));
+  info = madeBtfFile()->info();
+  info.views.pop_back();
+  EXPECT_THAT(messageOf([&] {
+                packBtf(*formats::btfOf(info, std::vector<float>(3 * 16 * 8 * 3, 0.5F)), kLights, {});
+              }),
+              HasSubstr("its views"));
+}
+
+// ---- whole packs
+
+formats::TensorFile transferFile(const TriangleMesh& mesh) {
+  const formats::PixelTransfer transfer = madePixelTransfer(mesh);
+  const formats::PixelTransferRows rows(transfer);
+  const formats::PixelCodes codes = rows.view();
+  const auto entries = static_cast<std::uint64_t>(codes.codes.size());
+  std::vector<float> tangents;
+  for (const formats::Float4& t : transfer.tangents) tangents.insert(tangents.end(), t.begin(), t.end());
+  formats::TensorFile file;
+  file.metadata = {{"technique", "pixel"},
+                   {"cube_side", "3"},
+                   {"local_side", "4"},
+                   {"subsamples", "2"},
+                   {"mesh_hash", formats::geometryHash(mesh)}};
+  file.tensors["codes"] = formats::Tensor::from(formats::ElementType::kUint8, {entries}, codes.codes);
+  file.tensors["columns"] = formats::Tensor::from(formats::ElementType::kUint16, {entries}, codes.columns);
+  file.tensors["row_offsets"] =
+      formats::Tensor::from(formats::ElementType::kInt64,
+                            {static_cast<std::uint64_t>(codes.row_offsets.size())}, codes.row_offsets);
+  file.tensors["tangents"] = formats::Tensor::from(formats::ElementType::kFloat32, {mesh.vertexCount(), 4},
+                                                   std::span<const float>(tangents));
+  return file;
+}
+
+TriangleMesh texturedBall() {
+  TriangleMesh mesh = icosphere(1);
+  addSphericalTexcoords(mesh);
+  return mesh;
+}
+
+TEST(PixelPack, IsMadeOfTransferAndBtf) {
+  const TriangleMesh mesh = texturedBall();
+  PatchSources patches;
+  patches.btfs[""] = madeBtfFile();
+  std::vector<TextureFigures> figures;
+  const formats::Pack pack =
+      assemblePack(mesh, transferFile(mesh), nullptr, {}, {"mesh", "transfer", ""}, patches, &figures);
+  const auto* transfer = pack.transfer.as<formats::PixelTransfer>();
+  ASSERT_NE(transfer, nullptr);
+  EXPECT_EQ(transfer->codes.data, madePixelTransfer(mesh).codes.data);
+  EXPECT_EQ(transfer->row_lengths.data, madePixelTransfer(mesh).row_lengths.data);
+  const auto* btf = pack.appearances.front().reflection.as<formats::BtfReflection>();
+  ASSERT_NE(btf, nullptr);
+  EXPECT_GT(btf->patch_width, 0);
+  ASSERT_EQ(figures.size(), 1U);
+  EXPECT_FALSE(formats::encodePack(pack, {}, "file").empty());
+}
+
+TEST(PixelPack, RefusesWhatDoesNotFit) {
+  const TriangleMesh mesh = texturedBall();
+  const auto messageWith = [&](const std::function<void(formats::TensorFile&, PackingOptions&)>& change) {
+    formats::TensorFile file = transferFile(mesh);
+    PackingOptions options;
+    change(file, options);
+    return messageOf([&] { assemblePack(mesh, file, nullptr, options, {"mesh", "transfer", ""}); });
+  };
+  EXPECT_EQ(messageWith([](auto&, auto&) {}), "");
+  EXPECT_THAT(messageWith([](auto& file, auto&) { file.metadata["cube_side"] = "200"; }),
+              HasSubstr("cube_side"));
+  EXPECT_THAT(messageWith([](auto& file, auto&) { file.metadata["local_side"] = "3"; }),
+              HasSubstr("row_offsets"));
+  EXPECT_THAT(messageWith([](auto& file, auto&) { file.metadata["mesh_hash"] = "x"; }),
+              HasSubstr("mesh_hash"));
+  EXPECT_THAT(messageWith([](auto& file, auto&) {
+                std::vector<std::int64_t> offsets;
+                for (const auto value : file.tensors["row_offsets"].template as<std::int64_t>())
+                  offsets.push_back(value);
+                offsets[2] = offsets.back() + 5;
+                const auto count = static_cast<std::uint64_t>(offsets.size());
+                file.tensors["row_offsets"] = formats::Tensor::from(formats::ElementType::kInt64, {count},
+                                                                    std::span<const std::int64_t>(offsets));
+              }),
+              HasSubstr("row 1"));
+  EXPECT_THAT(
+      messageWith([](auto&, auto& options) { options.material.reflections = {formats::PhongReflection{}}; }),
+      HasSubstr("pixel basis"));
+}
+
+}  // namespace
+}  // namespace bakelight::packing
