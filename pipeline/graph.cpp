@@ -67,9 +67,10 @@ class AssetStages {
     const RecipeStage& stage = recipe_.stages.at(name);
     for (const auto& [port, wire] : stage.inputs)
       if (!wire.fromAsset()) markNeeded(wire.stage);
-    if (options_.keep_all || asset_.keep_all || asset_.kept.count(name) != 0) return;
+    const bool keep = options_.keep_all || asset_.keep_all || asset_.kept.count(name) != 0;
     for (const LeaveOutRule& rule : stage.leave_out)
       problems_.attempt([&] {
+        if (keep && !rule.always) return;
         if (!rule.omit && !mayApply(rule, parametersOf(stage))) return;
         rules_[name].push_back(rule);
         markNeeded(rule.figure.stage);

@@ -41,7 +41,7 @@ AssetPort parseAssetPort(const JsonReader& object, Problems& problems) {
 }
 
 LeaveOutRule parseRule(const JsonReader& object, Problems& problems) {
-  problems.add(object.unknownKeys({"what", "figure", "at_most", "error", "set", "omit"}));
+  problems.add(object.unknownKeys({"what", "figure", "at_most", "error", "set", "omit", "always"}));
   LeaveOutRule rule{.what = object.text("what"), .figure = parseWire(object, "figure")};
   rule.error = object.has("error") ? parseWire(object, "error") : rule.figure;
   rule.at_most = object.number("at_most");
@@ -51,6 +51,7 @@ LeaveOutRule parseRule(const JsonReader& object, Problems& problems) {
     for (const std::string& value : values.keys()) rule.set[parameter][value] = values.value(value);
   }
   rule.omit = object.boolean("omit", false);
+  rule.always = object.boolean("always", false);
   if (rule.omit && !rule.set.empty())
     throw badInput(object.placeOf("set"), "a stage that is left out as a whole has nothing to set",
                    "\"set\" or \"omit\", not both");

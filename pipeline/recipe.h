@@ -46,7 +46,8 @@ struct LeaveOutRule {
   std::map<std::string, std::map<std::string, formats::Json>> set = {};
   // What `current` of a parameter becomes; nothing if it stays.
   std::optional<formats::Json> changed(const std::string& parameter, const formats::Json& current) const;
-  bool omit = false;  // the whole stage, which is not made then; sets nothing
+  bool omit = false;    // the whole stage, which is not made then; sets nothing
+  bool always = false;  // the stage has nothing to do then: judged even where nothing is to be left out
 };
 
 struct RecipeStage {

@@ -127,7 +127,7 @@ TEST(ExamplePack, OfAnUnknownKindNamesWhatIsKnown) {
   }
   formats::reflectionKinds().push_back(formats::PackPartKind::of<NormalReflection>());
   EXPECT_THAT(message, testing::AllOf(HasSubstr("normals"),
-                                      HasSubstr("lambert, phong, ggx, table or radiance_transfer_texture")));
+                                      HasSubstr("lambert, phong, ggx, table, radiance_transfer_texture or btf")));
 }
 
 TEST(ExamplePack, IsInspectedAndPreviewedWithoutAnotherLine) {

@@ -179,6 +179,7 @@ PackedRtt packRtt(const RadianceTransferTexture& texture, const RttPackingOption
       factorPatch({texture.values, texture.views, texture.width, texture.height, texture.responseSize()},
                   options.error, options.precision, file, packed.reflection)
           .components;
+  packed.reflection.heights = reliefOf(texture, options, file);
   return packed;
 }
 

@@ -145,13 +145,14 @@ TEST(EveryFieldOfATexture, IsComparedWrittenAndRead) {
       const auto& changed = reflectionAs<RttReflection>(pack);
       EXPECT_EQ(texture->factors.data, changed.factors.data);
       EXPECT_EQ(texture->basis, changed.basis);
+      EXPECT_EQ(texture->heights->data, changed.heights->data);
       EXPECT_EQ(texture->index->texels.data, changed.index->texels.data);
       EXPECT_EQ(texture->patch_width, changed.patch_width);
       EXPECT_EQ(texture->repeats, changed.repeats);
     }
     tested.insert(name);
   }
-  EXPECT_EQ(tested, (std::set<std::string>{"patchWidth", "factors", "basis", "repeats", "places"}));
+  EXPECT_EQ(tested, (std::set<std::string>{"patchWidth", "factors", "basis", "heights", "repeats", "places"}));
 }
 
 // A pack in a pixel basis with a BTF; of its sizes nothing can be changed alone.
@@ -175,7 +176,7 @@ TEST(EveryFieldOfAPixelPack, IsComparedWrittenAndReadAndFollowsItsVertex) {
       tested.insert(name);
     }
   EXPECT_EQ(tested, (std::set<std::string>{"creaseAngle", "tangents", "blocks", "columns", "codes", "error",
-                                           "patchWidth", "factors", "basis", "repeats", "places"}));
+                                           "patchWidth", "factors", "basis", "heights", "repeats", "places"}));
 
   const Pack read = roundTrip(source, {.draco = true});
   const auto& mine = *read.transfer.as<PixelTransfer>();
