@@ -99,7 +99,7 @@ class CubeGatherer {
   std::size_t texelAt(int face, double s, double t) const {
     const int x = std::clamp(static_cast<int>(s * side_), 0, side_ - 1),
               y = std::clamp(static_cast<int>(t * side_), 0, side_ - 1);
-    return static_cast<std::size_t>((face * side_ + y) * side_ + x);
+    return (static_cast<std::size_t>(face) * side_ + y) * side_ + x;
   }
 
   void addPoint(const Vec3& direction, const Eigen::Array3d& energy) {
@@ -223,7 +223,7 @@ void addCubeMap(const formats::Image& strip, int side, std::span<Float3> radianc
             sum += cubeTexelSolidAngle(i, j, side * block) * Eigen::Vector3d(texel[0], texel[1], texel[2]);
           }
         sum /= cubeTexelSolidAngle(x, y, side);
-        Float3& target = radiance[static_cast<std::size_t>((face * side + y) * side + x)];
+        Float3& target = radiance[(static_cast<std::size_t>(face) * side + y) * side + x];
         for (std::size_t c = 0; c < 3; ++c)
           target[c] += static_cast<float>(sum[static_cast<Eigen::Index>(c)]);
       }

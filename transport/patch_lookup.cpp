@@ -160,7 +160,8 @@ std::array<PatchLookup::View, 4> PatchLookup::viewsAt(const formats::RttLevel& l
     const int i = static_cast<int>(k) % 2, j = static_cast<int>(k) / 2;
     View& one = found[k];
     one.weight = (i == 0 ? 1 - at.across : at.across) * (j == 0 ? 1 - at.up : at.up);
-    one.view = static_cast<std::size_t>((at.row + j) * views_ + at.column + i);
+    one.view = static_cast<std::size_t>(at.row + j) * static_cast<std::size_t>(views_) +
+               static_cast<std::size_t>(at.column + i);
     one.place = place;
     if (!heights_.empty() && one.weight > 0) {
       const Float2 shift = {slope[0] - slopes_[one.view][0], (slope[1] - slopes_[one.view][1]) * aspect};

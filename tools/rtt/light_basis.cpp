@@ -21,7 +21,7 @@ LightBasis LightBasis::cells(int side) {
 }
 
 std::size_t LightBasis::count() const {
-  const auto root = static_cast<std::size_t>(order_ + side_);
+  const auto root = static_cast<std::size_t>(order_) + static_cast<std::size_t>(side_);
   return root * root;
 }
 
