@@ -126,8 +126,9 @@ TEST(ExamplePack, OfAnUnknownKindNamesWhatIsKnown) {
     message = error.what();
   }
   formats::reflectionKinds().push_back(formats::PackPartKind::of<NormalReflection>());
-  EXPECT_THAT(message, testing::AllOf(HasSubstr("normals"),
-                                      HasSubstr("lambert, phong, ggx, table, radiance_transfer_texture or btf")));
+  EXPECT_THAT(message,
+              testing::AllOf(HasSubstr("normals"),
+                             HasSubstr("lambert, phong, ggx, table, radiance_transfer_texture or btf")));
 }
 
 TEST(ExamplePack, IsInspectedAndPreviewedWithoutAnotherLine) {

@@ -152,7 +152,8 @@ TEST(EveryFieldOfATexture, IsComparedWrittenAndRead) {
     }
     tested.insert(name);
   }
-  EXPECT_EQ(tested, (std::set<std::string>{"patchWidth", "factors", "basis", "heights", "repeats", "places"}));
+  EXPECT_EQ(tested,
+            (std::set<std::string>{"patchWidth", "factors", "basis", "heights", "repeats", "places"}));
 }
 
 // A pack in a pixel basis with a BTF; of its sizes nothing can be changed alone.
@@ -175,8 +176,9 @@ TEST(EveryFieldOfAPixelPack, IsComparedWrittenAndReadAndFollowsItsVertex) {
       EXPECT_TRUE(comparePacks(roundTrip(pack, {}), pack, {}).passes());
       tested.insert(name);
     }
-  EXPECT_EQ(tested, (std::set<std::string>{"creaseAngle", "tangents", "blocks", "columns", "codes", "error",
-                                           "patchWidth", "factors", "basis", "heights", "repeats", "places"}));
+  EXPECT_EQ(tested,
+            (std::set<std::string>{"creaseAngle", "tangents", "blocks", "columns", "codes", "error",
+                                   "patchWidth", "factors", "basis", "heights", "repeats", "places"}));
 
   const Pack read = roundTrip(source, {.draco = true});
   const auto& mine = *read.transfer.as<PixelTransfer>();
