@@ -153,20 +153,10 @@ AllFrequency::AllFrequency(const formats::Pack& pack, const SurfaceMesh& mesh)
     if (drawn.first_creased[a] < drawn.ranges[a].end) patches.back().first_creased = drawn.first_creased[a];
   }
   surface_ = std::make_unique<PatchSurface>(drawn.mesh, drawn.tangents, patches, mesh.origin());
-  blocks_ = bufferOf(drawn.blocks);
-  albedo_ = bufferOf(drawn.albedo);
-  for (std::size_t a = 0; a < patches.size(); ++a) {
-    const std::size_t groups = surface_->groupsAtOnce(a);
-    Projection projection;
-    projection.vertices = drawn.ranges[a];
-    projection.program =
-        makeComputeProgram({kPatchProjectComp}, "#define BLOCKS\n#define GROUPS " + std::to_string(groups) +
-                                                    "\n#define INCIDENT " + std::to_string(cells_) + "u\n");
-    for (std::size_t draw = 0; draw < surface_->drawCount(a); ++draw)
-      projection.bases.push_back(
-          bufferOf(PatchSurface::basisOf(*patches[a].patch, cells_, draw * groups, groups)));
-    projections_.push_back(std::move(projection));
-  }
+  std::vector<ProjectedPatch> projected;
+  for (std::size_t a = 0; a < patches.size(); ++a)
+    projected.push_back({patches[a].patch, drawn.ranges[a], cells_});
+  projection_ = std::make_unique<PatchProjection>(*surface_, projected, drawn.albedo, cells_, drawn.blocks);
   throwIfGlFailed("uploading transfer in a pixel basis");
 }
 
@@ -202,7 +192,7 @@ void AllFrequency::setCubeLight(std::span<const Float3> radiance) {
   glNamedBufferSubData(light_.name(), 0, static_cast<GLsizeiptr>(light.size() * sizeof(Float3)),
                        light.data());
   transfer();
-  project();
+  projection_->run(incident_);
 }
 
 void AllFrequency::transfer() {
@@ -220,37 +210,6 @@ void AllFrequency::transfer() {
   throwIfGlFailed("transferring the light");
 }
 
-void AllFrequency::project() {
-  const GpuPass pass("project");
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-  const std::size_t projected_bytes = surface_->mostGroups() * 3 * sizeof(Float4);
-  const std::vector<RowRange> ranges = rowRanges(sizeInBytes(albedo_) / sizeof(Float3), projected_bytes, 1);
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, incident_.name());
-  for (std::size_t p = 0; p < projections_.size(); ++p) {
-    const Projection& patch = projections_[p];
-    glUseProgram(patch.program.name());
-    glUniform1ui(3, static_cast<GLuint>(surface_->mostGroups()));
-    glUniform1ui(4, static_cast<GLuint>(cells_));
-    for (const RowRange& range : ranges) {
-      const std::size_t first = std::max(range.first, patch.vertices.first);
-      const std::size_t end = std::min(range.first + range.count, patch.vertices.end);
-      if (first >= end) continue;
-      bindRows(2, albedo_, range, sizeof(Float3));
-      bindRows(3, surface_->projected(), range, projected_bytes);
-      bindRows(4, blocks_, range, sizeof(std::uint32_t));
-      glUniform1ui(0, static_cast<GLuint>(end - range.first));
-      glUniform1ui(1, static_cast<GLuint>(first - range.first));
-      for (std::size_t i = 0; i < patch.bases.size(); ++i) {
-        glUniform1ui(2, static_cast<GLuint>(i * surface_->groupsAtOnce(p)));
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, patch.bases[i].name());
-        dispatchItems(end - first);
-      }
-    }
-  }
-  glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
-  throwIfGlFailed("projecting onto BTFs");
-}
-
 void AllFrequency::lookFrom(const transport::ViewPoint& view) {
   surface_->lookFrom(view);
 }
@@ -260,8 +219,8 @@ void AllFrequency::draw(const Eigen::Matrix4f& clip_from_position) const {
 }
 
 std::size_t AllFrequency::gpuBytes() const {
-  std::size_t bytes = sizeInBytes(light_) + sizeInBytes(incident_) + sizeInBytes(blocks_) +
-                      sizeInBytes(albedo_) + surface_->gpuBytes();
+  std::size_t bytes =
+      sizeInBytes(light_) + sizeInBytes(incident_) + projection_->gpuBytes() + surface_->gpuBytes();
   for (const Rows& rows : rows_) bytes += sizeInBytes(rows.offsets) + sizeInBytes(rows.entries);
   return bytes;
 }

@@ -9,6 +9,7 @@
 
 #include "formats/pack_contents.h"
 #include "formats/pixel_transfer.h"
+#include "tools/player/techniques/patch_projection.h"
 #include "tools/player/techniques/patch_surface.h"
 #include "tools/player/techniques/technique.h"
 
@@ -35,16 +36,8 @@ class AllFrequency final : public Technique {
     Buffer offsets;  // rows + 1
     Buffer entries;  // column, and code from bit 16 on
   };
-  // Of the light that falls on the vertices of an appearance onto its patch's components.
-  struct Projection {
-    formats::VertexRange vertices;
-    Program program;
-    std::vector<Buffer> bases;  // a draw
-  };
-
   void uploadRows(const formats::PixelCodes& codes);
   void transfer();
-  void project();
 
   int cube_side_, subsamples_;
   std::size_t cells_;
@@ -52,10 +45,8 @@ class AllFrequency final : public Technique {
   Program transfer_program_;
   Buffer light_;     // texels × RGB: radiance × solid angle ÷ subsamples²
   Buffer incident_;  // blocks × cells × RGB
-  Buffer blocks_;    // of vertices as drawn
-  Buffer albedo_;
   std::unique_ptr<PatchSurface> surface_;
-  std::vector<Projection> projections_;
+  std::unique_ptr<PatchProjection> projection_;
 };
 
 }  // namespace bakelight::player

@@ -9,6 +9,7 @@
 #include "formats/pack_contents.h"
 #include "tools/player/lights/total_light.h"
 #include "tools/player/operators/transfer_operator.h"
+#include "tools/player/techniques/patch_projection.h"
 #include "tools/player/techniques/patch_surface.h"
 #include "tools/player/techniques/technique.h"
 
@@ -27,21 +28,11 @@ class BiScale final : public Technique {
   std::size_t gpuBytes() const override;
 
  private:
-  // Of the light that reaches the vertices of an appearance onto its patch's components.
-  struct Projection {
-    formats::VertexRange vertices;
-    Program program;
-    std::vector<Buffer> bases;  // a draw
-  };
-
-  void project();
-
   int output_order_;
   std::unique_ptr<TransferOperator> transfer_;
   TotalLight light_;
   std::unique_ptr<PatchSurface> surface_;
-  Buffer albedo_;
-  std::vector<Projection> projections_;
+  std::unique_ptr<PatchProjection> projection_;
 };
 
 }  // namespace bakelight::player
