@@ -208,6 +208,10 @@ namespace {
 formats::Pack assembleShPack(formats::TriangleMesh mesh, const TensorSource& source, const TensorFile* brdf,
                              const PackingOptions& options, const SourceNames& files,
                              const PatchSources& patches, std::vector<TextureFigures>& textures) {
+  if (!patches.btfs.empty())
+    throw badInput({patches.btfs.begin()->second->info().file, "", "/btf"},
+                   "the transfer beside it is in spherical harmonics, which a BTF has no use for",
+                   "transfer in a pixel basis", "bake it with basis pixel, or give pack an rtt instead");
   formats::ShTransfer read = readTransfer(source, mesh.vertexCount(), options.precision);
   requireSameMesh(source, mesh, files.mesh);
   requireSameAlbedo(source, mesh.vertexCount(), options.material);
@@ -244,6 +248,11 @@ formats::Pack assemblePixelPack(formats::TriangleMesh mesh, const TensorSource& 
           bool& has_index) -> formats::PackPart {
         const std::shared_ptr<const formats::Btf> btf = btfOf(patches, material);
         if (btf == nullptr) {
+          if (textureOf(patches, material) != nullptr)
+            throw badInput({files.rtt, "material \"" + material + "\"", "/btf"},
+                           "its patch is here a radiance transfer texture alone, for spherical harmonics",
+                           "a BTF for transfer in a pixel basis",
+                           "give pack the btf that rtt writes beside it");
           if (options.reflection != ShownReflection::kNone &&
               !std::holds_alternative<formats::Lambert>(reflection))
             throw badInput({files.material, "material \"" + material + "\"", "/reflection"},

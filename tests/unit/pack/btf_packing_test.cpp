@@ -175,6 +175,34 @@ TEST(PixelPack, IsMadeOfTransferAndBtf) {
   EXPECT_FALSE(formats::encodePack(pack, {}, "file").empty());
 }
 
+// Heights of the texture of the same run; a texture alone is for the other basis, and is not dropped without a word.
+TEST(PixelPack, TakesHeightsOfTheTextureBesideTheBtf) {
+  const TriangleMesh mesh = texturedBall();
+  PatchSources patches;
+  patches.btfs[""] = madeBtfFile();
+  const formats::BtfInfo& info = patches.btfs[""]->info();
+  formats::RadianceTransferTexture texture{
+      .material = "",
+      .order = 1,
+      .views = static_cast<int>(std::lround(std::sqrt(info.views.size()))),
+      .width = info.width,
+      .height = info.height};
+  texture.allocate();
+  texture.heights.assign(texture.responseCount(), 0.25F);
+  patches.textures = {texture};
+  const auto packed = [&] {
+    return assemblePack(mesh, transferFile(mesh), nullptr, {}, {"mesh", "transfer", "", "", "rtt.exr"},
+                        patches);
+  };
+  const formats::Pack pack = packed();
+  const auto* btf = pack.appearances.front().reflection.as<formats::BtfReflection>();
+  ASSERT_NE(btf, nullptr);
+  ASSERT_TRUE(btf->heights);
+  EXPECT_EQ(btf->heights->decode(), std::vector<float>(btf->factors.rows, 0.25F));
+  patches.btfs.clear();
+  EXPECT_THAT(messageOf(packed), HasSubstr("rtt.exr"));
+}
+
 TEST(PixelPack, RefusesWhatDoesNotFit) {
   const TriangleMesh mesh = texturedBall();
   const auto messageWith = [&](const std::function<void(formats::TensorFile&, PackingOptions&)>& change) {
