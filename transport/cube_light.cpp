@@ -12,6 +12,7 @@
 #include "transport/cube_map.h"
 #include "transport/light_backdrop.h"
 #include "transport/lights.h"
+#include "transport/multiversioned.h"
 #include "transport/polygon_light.h"
 #include "transport/sky.h"
 
@@ -22,6 +23,35 @@ constexpr double kPi = std::numbers::pi;
 constexpr int kPointsPerTexel = 24;  // along an edge
 
 using Energies = std::vector<Eigen::Array3d>;  // radiance × solid angle, a texel
+
+// A circle of latitude of the lights' frame, turned: base + cosine · across + sine · along.
+struct Circle {
+  Eigen::Vector3f base, across, along;
+};
+
+// The cube's texels that points of a circle lie in, as cubeFaceOfDirection has it.
+BAKELIGHT_MULTIVERSIONED
+void texelsOnCircle(const Circle& circle, const float* cosines, const float* sines, int count, int side,
+                    int* texels) {
+  const float bx = circle.base.x(), by = circle.base.y(), bz = circle.base.z();
+  const float px = circle.across.x(), py = circle.across.y(), pz = circle.across.z();
+  const float qx = circle.along.x(), qy = circle.along.y(), qz = circle.along.z();
+  const float half = 0.5F * static_cast<float>(side);
+  for (int i = 0; i < count; ++i) {
+    const float x = bx + cosines[i] * px + sines[i] * qx;
+    const float y = by + cosines[i] * py + sines[i] * qy;
+    const float z = bz + cosines[i] * pz + sines[i] * qz;
+    const float ax = std::abs(x), ay = std::abs(y), az = std::abs(z);
+    const bool on_x = ax >= ay && ax >= az, on_y = !on_x && ay >= az;
+    const float major = on_x ? x : on_y ? y : z, scale = half / std::abs(major);
+    const float s = on_x ? (x < 0 ? z : -z) : on_y ? x : (z < 0 ? -x : x);
+    const float t = on_y ? (y < 0 ? -z : z) : -y;
+    const int face = (on_x ? 0 : on_y ? 2 : 4) + (major < 0 ? 1 : 0);
+    const int column = std::min(static_cast<int>(s * scale + half), side - 1);
+    const int row = std::min(static_cast<int>(t * scale + half), side - 1);
+    texels[i] = (face * side + row) * side + column;
+  }
+}
 
 class CubeGatherer {
  public:
@@ -162,15 +192,26 @@ class CubeGatherer {
   // A texel's light is spread evenly over it.
   void addLatLong(const formats::Image& image, const Eigen::Matrix3d& turn, double intensity) {
     const int points = pointsFor(image.width), columns = image.width * points, rows = image.height * points;
+    std::vector<float> cosines(columns), sines(columns);
+    for (int i = 0; i < columns; ++i) {
+      const Vec3 on_equator = directionOfLatLong(static_cast<double>(i) / columns, 0.5);
+      cosines[i] = static_cast<float>(on_equator.z());
+      sines[i] = static_cast<float>(on_equator.x());
+    }
     addRows(image.height, [&](int row, Energies& energies) {
+      std::vector<int> texels(columns);
       for (int j = row * points; j < (row + 1) * points; ++j) {
         const double share = intensity * latLongTexelSolidAngle(j, columns, rows);
         // Rows of points are shifted against each other, else their grid beats with that of the cube's texels.
-        const double shift = std::fmod(j * std::numbers::phi, 1.0);
-        for (int i = 0; i < columns; ++i) {
-          const auto [face, s, t] =
-              cubeFaceOfDirection(turn * directionOfLatLong((i + shift) / columns, (j + 0.5) / rows));
-          energies[texelAt(face, s, t)] += color(image, i / points, row) * share;
+        const double shift = std::fmod(j * std::numbers::phi, 1.0) / columns;
+        const Vec3 first = directionOfLatLong(0.5 + shift, (j + 0.5) / rows);
+        const Vec3 level(first.x(), 0, first.z()), beside(level.z(), 0, -level.x());
+        texelsOnCircle({(turn * Vec3(0, first.y(), 0)).cast<float>(), (turn * level).cast<float>(),
+                        (turn * beside).cast<float>()},
+                       cosines.data(), sines.data(), columns, side_, texels.data());
+        for (int x = 0, i = 0; x < image.width; ++x) {
+          const Eigen::Array3d energy = color(image, x, row) * share;
+          for (int end = i + points; i < end; ++i) energies[texels[i]] += energy;
         }
       }
     });

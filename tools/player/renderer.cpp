@@ -54,7 +54,7 @@ Renderer::Renderer(const formats::Pack& pack, transport::Lighting lighting, cons
   if (distant_.size() < static_cast<std::size_t>(transport::coefficientCount(order_)))
     throw std::invalid_argument("the light has fewer bands than the pack's technique needs");
   if (const int side = technique.needs(pack).cube_side; side > 0)
-    cube_ = CubeLight{side, std::move(lighting.sources)};
+    cube_ = CubeLight{side, std::move(lighting.sources), {}};
   if (near_lights_) {
     near_lights_->project(Eigen::Matrix3d::Identity());
     exposure_light_ = transport::sum(distant_, near_lights_->readLight());
@@ -71,7 +71,8 @@ void Renderer::updateLight(const formats::FrameSettings& settings) {
   const transport::ShRotation rotation(order_, evaluated_.object_from_light);
   setLight(distant_light_, rotation.apply(distant_));
   light();
-  updateCubeLight(settings);
+  if (cube_) cube_->distant = transport::cubeLight(cube_->sources, cube_->side, evaluated_.object_from_light);
+  setCubeLight();
 }
 
 void Renderer::updateNearLight(const formats::FrameSettings& settings) {
@@ -82,11 +83,11 @@ void Renderer::updateNearLight(const formats::FrameSettings& settings) {
   near_lights_->project(evaluated_.world_from_object);
 }
 
-void Renderer::updateCubeLight(const formats::FrameSettings& settings) {
+void Renderer::setCubeLight() {
   if (!cube_) return;
-  std::vector<transport::Float3> radiance =
-      transport::cubeLight(cube_->sources, cube_->side, objectFromLight(settings));
-  if (near_lights_) transport::addCubeMap(near_lights_->readCube(), cube_->side, radiance);
+  if (!near_lights_) return technique_->setCubeLight(cube_->distant);
+  std::vector<transport::Float3> radiance = cube_->distant;
+  transport::addCubeMap(near_lights_->readCube(), cube_->side, radiance);
   technique_->setCubeLight(radiance);
 }
 
@@ -98,7 +99,7 @@ void Renderer::updateStaleLights(const formats::FrameSettings& settings) {
   if (evaluated_.object_from_light != objectFromLight(settings))
     updateLight(settings);
   else if (near_is_new)
-    light(), updateCubeLight(settings);
+    light(), setCubeLight();
   else
     light();
 }

@@ -56,11 +56,12 @@ class Renderer {
   struct CubeLight {
     int side;
     std::vector<formats::DistantLight> sources;
+    std::vector<transport::Float3> distant;  // of the sources, as evaluated_ has them turned
   };
 
   Renderer(const formats::Pack& pack, transport::Lighting lighting, const PlayedTechnique& technique);
   void light();
-  void updateCubeLight(const formats::FrameSettings& settings);
+  void setCubeLight();
   void updateStaleLights(const formats::FrameSettings& settings);
   void drawBodies(const transport::OrbitCamera& camera, const Eigen::Matrix3d& world_from_object) const;
 

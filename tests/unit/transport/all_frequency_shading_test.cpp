@@ -11,6 +11,7 @@
 #include "transport/cube_light.h"
 #include "transport/cube_map.h"
 #include "transport/hemisphere_grid.h"
+#include "transport/light_backdrop.h"
 #include "transport/light_rig.h"
 #include "transport/patch_lookup.h"
 
@@ -334,6 +335,13 @@ TEST(CubeLight, OfImagesIsTheirs) {
       EXPECT_NEAR(cube[i][2], height > 0 ? 0.5 : 0, 0.02);
     }
   }
+  // A texel's light is where it is, however it is turned.
+  const Vec3 there = someTurn() * worldFromEnvironment(light) * directionOfLatLong(40.5 / 64, 9.5 / 32);
+  const std::vector<Float3> turned = cubeLight(std::vector<formats::DistantLight>{light}, 32, someTurn());
+  for (std::size_t i = 0; i < turned.size(); ++i)
+    if (turned[i][1] > 0) {
+      EXPECT_GT(middleOf(i, 32).dot(there), std::cos(0.1));
+    }
   // As a cube map, turned nowhere, an image of the same size is itself.
   formats::EnvironmentLight strip;
   strip.image = formats::Image(6 * 8, 8, {"R", "G", "B"});
