@@ -140,6 +140,7 @@ Material materialFrom(const JsonReader& object, const FileResolver& files) {
   if (const auto reflection = object.find("reflection"))
     material.reflection = reflectionFrom(*reflection, files);
   if (const auto patch = object.find("patch")) material.patch = patchFrom(*patch, files);
+  if (const auto medium = object.find("medium")) material.medium = mediumFrom(*medium);
   object.refuseOthers();
   return material;
 }
@@ -200,7 +201,12 @@ Json toJson(const Material& material, const std::vector<std::string>& parts) {
   if (wanted("reflection") && !std::holds_alternative<Lambert>(material.reflection))
     json["reflection"] = toJson(material.reflection);
   if (wanted("patch") && material.patch) json["patch"] = toJson(*material.patch);
+  if (wanted("medium") && material.medium) json["medium"] = toJson(*material.medium);
   return json;
+}
+
+Float3 albedoWithoutColors(const Material& material) {
+  return material.medium ? Float3{1, 1, 1} : kDefaultAlbedo;
 }
 
 // Finds out what each vertex's albedo is, and that it has one only.
@@ -214,7 +220,7 @@ class VertexAlbedo {
 
   void give(std::uint32_t vertex, const std::string& name, std::uint32_t number, const Material& material) {
     const Float3 albedo = material.albedo        ? *material.albedo
-                          : mesh_.colors.empty() ? kDefaultAlbedo
+                          : mesh_.colors.empty() ? albedoWithoutColors(material)
                                                  : mesh_.colors[vertex];
     if (material_of_[vertex] != kNone && material_of_[vertex] != number && values_[vertex] != albedo)
       throw badInput({file_, "vertex " + std::to_string(vertex), ""},
@@ -306,6 +312,14 @@ Materials readMaterials(const fs::path& path) {
   return materials;
 }
 
+std::vector<std::string> translucentMaterials(const Materials& materials) {
+  std::vector<std::string> names;
+  if (materials.base.medium) names.emplace_back();
+  for (const auto& [name, material] : materials.by_name)
+    if (material.medium) names.push_back(name);
+  return names;
+}
+
 Materials readMaterialsOrDefault(const fs::path& path) {
   return path.empty() ? Materials() : readMaterials(path);
 }
@@ -379,8 +393,9 @@ SurfaceMaterials materialsOn(const TriangleMesh& mesh, const Materials& material
   requireColors(mesh, materials, material_file);
   SurfaceMaterials surface;
   surface.reflections = {materials.base.reflection};
+  surface.media = {materials.base.medium};
   if (materials.by_name.empty()) {
-    surface.albedo = materials.base.albedo.value_or(kDefaultAlbedo);
+    surface.albedo = materials.base.albedo.value_or(albedoWithoutColors(materials.base));
     if (!materials.base.albedo) surface.vertex_albedo = mesh.colors;
     surface.replaces_colors = materials.base.albedo && !mesh.colors.empty();
     return surface;
@@ -388,10 +403,12 @@ SurfaceMaterials materialsOn(const TriangleMesh& mesh, const Materials& material
   requireMaterials(mesh);
   VertexAlbedo albedo(mesh, mesh_file);
   surface.reflections.clear();
+  surface.media.clear();
   surface.names = mesh.material_names;
   for (const std::string& name : mesh.material_names) {
     const Material& material = materials.of(name);
     surface.reflections.push_back(material.reflection);
+    surface.media.push_back(material.medium);
     surface.replaces_colors = surface.replaces_colors || (material.albedo && !mesh.colors.empty());
   }
   surface.of_triangle = mesh.triangle_materials;

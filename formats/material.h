@@ -15,6 +15,7 @@
 
 #include "formats/error.h"
 #include "formats/json.h"
+#include "formats/medium.h"
 #include "formats/pack_contents.h"
 #include "formats/triangle_mesh.h"
 
@@ -102,6 +103,8 @@ struct Material {
   std::filesystem::path texture;  // instead; `simplify` takes it to the mesh's colours
   Reflection reflection;
   std::optional<Patch> patch = {};
+  // In place of diffuse reflection: what the object is inside. The albedo, 1 without one, is then a stain on its surface.
+  std::optional<Medium> medium = {};
 };
 
 // The material of an asset, and those of faces that the mesh gives a name to (TriangleMesh::material_names).
@@ -121,6 +124,8 @@ FileResolver relativeTo(std::filesystem::path folder);
 // are read. Throws Error(kBadInput) naming file and JSON pointer for an unknown key (with the nearest one), a
 // wrong type or a value out of range, and as readBrdfTable.
 Materials readMaterials(const std::filesystem::path& path);
+// "" is the asset's own.
+std::vector<std::string> translucentMaterials(const Materials& materials);
 // As readMaterials, with no material at all where the path is empty: grey, without reflection.
 Materials readMaterialsOrDefault(const std::filesystem::path& path);
 // Without reading tables.
@@ -130,7 +135,7 @@ Material materialFromJson(const Json& json, const std::string& file, const std::
                           const FileResolver& files);
 
 // What readMaterials reads, file names as they are in the material. Of each material only the members
-// `parts`, of "name", "albedo" (with the texture), "reflection" and "patch"; all of them if it is empty.
+// `parts`, of "name", "albedo" (with the texture), "reflection", "patch" and "medium"; all of them if it is empty.
 Json toJson(const Materials& materials, const std::vector<std::string>& parts = {});
 
 // "none", "phong", "ggx", "table".
@@ -151,6 +156,7 @@ BrdfTable readBrdfTable(const std::filesystem::path& path);
 struct SurfaceMaterials {
   std::vector<Reflection> reflections = {Lambert()};  // at least one
   std::vector<std::string> names = {""};              // of the materials that have them
+  std::vector<std::optional<Medium>> media = {{}};    // of the same
   std::vector<std::uint32_t> of_triangle;             // into `reflections`; empty: all have the first
   Float3 albedo = kDefaultAlbedo;                     // where `vertex_albedo` is empty
   std::vector<Float3> vertex_albedo;                  // empty, or one a vertex

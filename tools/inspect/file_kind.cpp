@@ -44,7 +44,8 @@ bool isMaterial(const std::filesystem::path& path) {
   const formats::Json json = formats::readJson(path);
   if (!json.is_object() || json.contains("tool") || json.contains("asset")) return false;
   const auto has = [&](const char* name) { return json.contains(name); };
-  return json.empty() || has("albedo") || has("reflection") || has("material") || has("materials");
+  return json.empty() || has("albedo") || has("reflection") || has("medium") || has("material") ||
+         has("materials");
 }
 
 }  // namespace

@@ -80,6 +80,9 @@ int main(int argc, char** argv) {
     packing::PatchSources patches;
     if (!rtt_path.empty() || !btf_path.empty()) patches = packing::readPatchSources(rtt_path, id_map_path);
     formats::Materials materials = formats::readMaterialsOrDefault(material_path);
+    for (const std::string& name : formats::translucentMaterials(materials))
+      run.warn("the medium of " + (name.empty() ? "the asset's own material" : "\"" + name + "\"") +
+               " is left out: packs have none, and show its albedo as diffuse reflection");
     packing::takeMaterials(materials, patches);
     if (!btf_path.empty()) patches.btfs[""] = formats::openBtf(btf_path);
     // In a directional basis; without transfer for them, they are none of this tool's business.

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "formats/error.h"
+#include "transport/diffusion.h"
 #include "transport/glossy.h"
 #include "transport/sh.h"
 
@@ -130,6 +131,12 @@ Bsdf::Bsdf(const Glossy* glossy, const Rgb& albedo, const Vec3& normal, const Ve
   }
 }
 
+Bsdf Bsdf::entering(double relative_ior, const Vec3& normal) {
+  Bsdf bsdf(nullptr, Rgb::Constant(kPi), normal, normal);
+  bsdf.entered_ior_ = relative_ior;
+  return bsdf;
+}
+
 Vec3 Bsdf::local(const Vec3& direction) const {
   return {tangent_.dot(direction), bitangent_.dot(direction), normal_.dot(direction)};
 }
@@ -154,6 +161,7 @@ Rgb Bsdf::value(const Vec3& incoming) const {
   const double cosine = normal_.dot(incoming);
   if (cosine <= 0) return Rgb::Zero();
   Rgb value = albedo_ * (cosine / kPi);
+  if (entered_ior_ > 0) value *= transport::schlickTransmittance(cosine, entered_ior_);
   if (!isMirror()) value += glossyValue(incoming);
   if (!table_rows_.empty()) value += tableValue(incoming);
   return value;

@@ -74,6 +74,9 @@ class Bsdf {
   // null: the diffuse part alone.
   Bsdf(const Glossy* glossy, const Rgb& albedo, const Vec3& normal, const Vec3& outgoing);
 
+  // What lights from above send into a medium: value() is the cosine times Schlick's transmittance.
+  static Bsdf entering(double relative_ior, const Vec3& normal);
+
   // Per steradian; zero below the surface. Without a mirror's delta.
   Rgb value(const Vec3& incoming) const;
   double densityPerSr(const Vec3& incoming) const;  // of sample()
@@ -109,6 +112,7 @@ class Bsdf {
   const TintedLobe* lobe_ = nullptr;
   const transport::Microfacets* facets_ = nullptr;
   double diffuse_share_ = 1;        // of samples
+  double entered_ior_ = 0;          // of what is entered; 0: nothing is
   std::vector<double> table_rows_;  // 3 × order²; empty without
   int table_order_ = 0;
 };

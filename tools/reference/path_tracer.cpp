@@ -3,12 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+
+#include "transport/diffusion.h"
 
 namespace bakelight::reference {
 namespace {
 
 // Dimensions of a path, by what they are for.
 enum Purpose { kLobeChoice, kReflection, kDistantLight, kEmitter, kRoulette, kPurposes };
+
+// Of light that goes through a medium, far from the others, which pictures without one need as they are.
+enum MediumPurpose { kMediumChoice, kEntryChoice, kEntryPoint, kEntryPick, kMediumPurposes };
+constexpr int kFirstMediumDimension = 1 << 24;
 
 constexpr int kBouncesBeforeRoulette = 2;
 // Paths in a closed white cavity end too.
@@ -39,6 +46,13 @@ struct PathTracer::Vertex {
   }
   int dimension(Purpose purpose) const {
     return SampleOfBatch::kFirstPathDimension + depth * kPurposes + purpose;
+  }
+  double single(MediumPurpose purpose) const { return sample.batch.single(sample.index, dimension(purpose)); }
+  std::array<double, 2> pair(MediumPurpose purpose) const {
+    return sample.batch.pair(sample.index, dimension(purpose));
+  }
+  int dimension(MediumPurpose purpose) const {
+    return kFirstMediumDimension + depth * kMediumPurposes + purpose;
   }
 };
 
@@ -101,6 +115,19 @@ Rgb PathTracer::emittedTowards(const ShadingPoint& point, const Bsdf::Sample& sa
   return powerHeuristic(sample.density_per_sr, density) * scene_.emitters().radiance(triangle);
 }
 
+// Moves the vertex to where the light enters that leaves it towards the eye; what becomes of light on it.
+Rgb PathTracer::lightFromBelow(Vertex& vertex, const Subsurface& inside, const Vec3& towards_eye,
+                               std::uint64_t& rays) const {
+  const ShadingPoint exit = vertex.point;
+  const auto entry = inside.sample(exit.position, exit.normal, vertex.single(kEntryChoice),
+                                   vertex.pair(kEntryPoint), vertex.single(kEntryPick), rays);
+  if (!entry) return Rgb::Zero();
+  vertex.point = scene_.pointAt(entry->place);
+  const double leaving =
+      transport::schlickTransmittance(std::abs(exit.normal.dot(towards_eye)), inside.relativeIor());
+  return entry->weight * exit.albedo * (leaving / std::numbers::pi);
+}
+
 Rgb PathTracer::exitRadiance(const ShadingPoint& point, const Vec3& outgoing, const SampleOfBatch& sample,
                              std::uint64_t& rays) const {
   const bool direct_only =
@@ -113,8 +140,20 @@ Rgb PathTracer::exitRadiance(const ShadingPoint& point, const Vec3& outgoing, co
   Vec3 towards_eye = outgoing;
   while (true) {
     const bool glossy = vertex.depth == 0 || options_.transport == Transport::kFull;
-    const Bsdf bsdf(glossy ? &scene_.material(vertex.point.material) : nullptr, vertex.point.albedo,
-                    vertex.point.normal, towards_eye);
+    const Glossy* material = glossy ? &scene_.material(vertex.point.material) : nullptr;
+    const auto reflecting = [&] {
+      const Subsurface* inside = scene_.subsurface(vertex.point.material);
+      if (inside == nullptr) return Bsdf(material, vertex.point.albedo, vertex.point.normal, towards_eye);
+      if (material != nullptr && !std::holds_alternative<std::monostate>(*material)) {
+        throughput *= 2;
+        if (vertex.single(kMediumChoice) < 0.5)
+          return Bsdf(material, Rgb::Zero(), vertex.point.normal, towards_eye);
+      }
+      throughput *= lightFromBelow(vertex, *inside, towards_eye, rays);
+      return Bsdf::entering(inside->relativeIor(), vertex.point.normal);
+    };
+    const Bsdf bsdf = reflecting();
+    if ((throughput == 0).all()) return radiance;
     radiance += throughput * directLight(vertex, bsdf, rays);
 
     const auto [u, v] = vertex.pair(kReflection);

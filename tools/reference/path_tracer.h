@@ -56,6 +56,8 @@ class PathTracer {
   struct Vertex;
   Rgb directLight(const Vertex& vertex, const Bsdf& bsdf, std::uint64_t& rays) const;
   Rgb emittedTowards(const ShadingPoint& point, const Bsdf::Sample& sample, const transport::Hit& hit) const;
+  Rgb lightFromBelow(Vertex& vertex, const Subsurface& inside, const Vec3& towards_eye,
+                     std::uint64_t& rays) const;
   bool blocked(const Vec3& origin, const Vec3& direction, double distance) const;
   transport::Hit nextHit(const Vec3& origin, const Vec3& direction) const;
 

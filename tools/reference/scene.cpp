@@ -70,6 +70,23 @@ std::vector<std::uint32_t> materialOfVertices(const Surface& surface) {
   return of_vertex;
 }
 
+std::vector<std::unique_ptr<const Subsurface>> subsurfacesOf(const Surface& surface, const TriangleMesh& mesh,
+                                                             const transport::RayScene& rays) {
+  const std::vector<std::uint32_t>& of_triangle = surface.material.of_triangle;
+  std::vector<std::unique_ptr<const Subsurface>> subsurfaces;
+  for (std::size_t i = 0; i < surface.material.media.size(); ++i) {
+    const std::optional<formats::Medium>& medium = surface.material.media[i];
+    subsurfaces.push_back(nullptr);
+    if (!medium) continue;
+    std::vector<std::uint8_t> of_medium;
+    for (const std::uint32_t material : of_triangle) of_medium.push_back(material == i ? 1 : 0);
+    // A name that no face has any more.
+    if (!of_medium.empty() && std::find(of_medium.begin(), of_medium.end(), 1) == of_medium.end()) continue;
+    subsurfaces.back() = std::make_unique<Subsurface>(*medium, mesh, std::move(of_medium), rays);
+  }
+  return subsurfaces;
+}
+
 }  // namespace
 
 Scene::Scene(const Surface& surface, const formats::LightRig& rig, const formats::FrameSettings& frame,
@@ -91,7 +108,8 @@ Scene::Scene(const Surface& surface, const formats::LightRig& rig, const formats
       ray_mesh_(joined(mesh_, emitters.mesh)),
       rays_(ray_mesh_),
       emitter_rays_(emitters.mesh),
-      offset_(transport::surfaceOffset(mesh_, surface.bias)) {}
+      offset_(transport::surfaceOffset(mesh_, surface.bias)),
+      subsurfaces_(subsurfacesOf(surface, mesh_, rays_)) {}
 
 Rgb Scene::albedoOf(std::uint32_t vertex) const {
   return vertex_albedo_.empty() ? albedo_ : Rgb(vec3(vertex_albedo_[vertex]).array());
@@ -140,14 +158,15 @@ ShadingPoint Scene::pointAt(const transport::Hit& hit) const {
     const double below = (position - vec3(mesh_.positions[corners[i]])).dot(vertex_normal);
     lift -= weights[i] * std::min(0.0, below) * vertex_normal;
   }
-  return {position + lift + offset_ * normal, normal, albedo, material};
+  return {position + lift + offset_ * normal, normal, albedo, material, position};
 }
 
 ShadingPoint Scene::pointAtVertex(std::uint32_t vertex) const {
   const std::uint32_t material = material_of_vertex_.empty() ? 0 : material_of_vertex_[vertex];
   Rgb albedo = albedoOf(vertex);
   if (!textures_.empty()) albedo *= textureAt(material, mesh_.texcoords[vertex]);
-  return {vec3(vertex_origins_[vertex]), vec3(mesh_.normals[vertex]).normalized(), albedo, material};
+  return {vec3(vertex_origins_[vertex]), vec3(mesh_.normals[vertex]).normalized(), albedo, material,
+          vec3(mesh_.positions[vertex])};
 }
 
 }  // namespace bakelight::reference

@@ -16,6 +16,7 @@
 #include "patch/patch_geometry.h"
 #include "tools/reference/bsdf.h"
 #include "tools/reference/emitter_sampler.h"
+#include "tools/reference/subsurface.h"
 #include "transport/camera.h"
 #include "transport/ray_scene.h"
 #include "transport/surface_points.h"
@@ -27,7 +28,8 @@ struct ShadingPoint {
   Vec3 origin;  // where its rays start, off the surface
   Vec3 normal;  // for shading, on the side that is seen
   Rgb albedo;
-  std::uint32_t material = 0;  // see Scene::material
+  std::uint32_t material = 0;    // see Scene::material
+  Vec3 position = Vec3::Zero();  // on the surface
 };
 
 // What the picture is of.
@@ -54,6 +56,10 @@ class Scene {
   // The same and the emitters after it: positions and triangles that rays meet.
   const formats::TriangleMesh& rayMesh() const { return ray_mesh_; }
   const Glossy& material(std::uint32_t number) const { return materials_[number]; }
+  // Null where light does not enter.
+  const Subsurface* subsurface(std::uint32_t number) const {
+    return number < subsurfaces_.size() ? subsurfaces_[number].get() : nullptr;
+  }
   const DistantLightSampler& distantLight() const { return distant_; }
   const EmitterSampler& emitters() const { return emitters_; }
 
@@ -92,7 +98,8 @@ class Scene {
   EmitterSampler emitters_;
   formats::TriangleMesh ray_mesh_;
   transport::RayScene rays_, emitter_rays_;
-  double offset_;  // of rays, off the surface
+  double offset_;                                               // of rays, off the surface
+  std::vector<std::unique_ptr<const Subsurface>> subsurfaces_;  // by material
 };
 
 }  // namespace bakelight::reference

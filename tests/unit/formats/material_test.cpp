@@ -105,6 +105,28 @@ TEST(Material, PatchMayBeASurface) {
   EXPECT_TRUE(materialsOf(R"({ "patch": { "file": "w.png" } })").base.patch->hasSurface());  // a flat one
 }
 
+TEST(Material, MayBeTranslucent) {
+  EXPECT_FALSE(parsed("{}").base.medium.has_value());
+  const Medium marble = *parsed(R"({ "medium": { "name": "marble", "unit_mm": 25 } })").base.medium;
+  EXPECT_EQ(marble, (Medium{{2.19F, 2.62F, 3.00F}, {.0021F, .0041F, .0071F}, 1.5, 25, {}}));
+  const Medium own = *parsed(R"({ "medium": { "reduced_scattering": [1, 2, 3], "absorption": [0, 0, 0.5],
+                                  "eta": 1, "model": "better_dipole" } })")
+                          .base.medium;
+  EXPECT_EQ(own, (Medium{{1, 2, 3}, {0, 0, 0.5F}, 1, 1, DiffusionModel::kBetterDipole}));
+  for (const std::string& name : namesOfMedia())
+    EXPECT_TRUE(parsed(R"({ "medium": { "name": ")" + name + R"(" } })").base.medium.has_value());
+  EXPECT_EQ(
+      translucentMaterials(parsed(R"({ "materials": { "a": { "medium": { "name": "cream" } }, "b": {} } })")),
+      std::vector<std::string>{"a"});
+  EXPECT_THAT(problemWith(R"({ "medium": { "name": "marbel" } })"),
+              AllOf(HasSubstr("/medium/name"), HasSubstr("marble")));
+  EXPECT_THAT(problemWith(R"({ "medium": {} })"), HasSubstr("1/mm"));
+  EXPECT_THAT(problemWith(R"({ "medium": { "name": "cream", "absorption": [1, 1, 1] } })"),
+              HasSubstr("/medium/absorption"));
+  EXPECT_THAT(problemWith(R"({ "medium": { "reduced_scattering": [0, 1, 1], "absorption": [0, 0, 0] } })"),
+              HasSubstr("/medium/reduced_scattering"));
+}
+
 TEST(Material, OfSomeFacesHasAName) {
   const Materials materials =
       parsed(R"({ "material": { "albedo": [1, 1, 1] }, "materials": { "lid": { "albedo": [0, 0, 1] } } })");
@@ -117,12 +139,14 @@ TEST(Material, ComesBackFromJsonAsItWas) {
        {"{}", R"({ "albedo": [0.35, 0.12, 0.06] })",
         R"({ "name": "a", "reflection": { "model": "ggx", "roughness": 0.123, "fresnel": true } })",
         R"({ "reflection": { "model": "phong", "exponent": 12.5, "specular_color": [0.1, 0.2, 0.3] } })",
+        R"({ "medium": { "name": "skin1", "unit_mm": 3.5, "model": "normalized_diffusion" } })",
         R"({ "material": {}, "materials": { "a/b": { "albedo": [0, 0, 0.7] } } })"}) {
     const Materials before = parsed(text);
     const Json json = toJson(before);
     EXPECT_EQ(toJson(parsed(json.dump())), json) << text;
     EXPECT_EQ(parsed(json.dump()).base.reflection, before.base.reflection);
     EXPECT_EQ(parsed(json.dump()).base.albedo, before.base.albedo) << "to the bit";
+    EXPECT_EQ(parsed(json.dump()).base.medium, before.base.medium);
   }
   const Materials two = parsed(R"({ "materials": { "a": { "name": "x", "albedo": [0, 0, 1],
                                                           "reflection": { "model": "ggx" } } } })");

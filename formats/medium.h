@@ -1,0 +1,40 @@
+// A scattering medium that an object consists of: what lets light through below its surface.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "formats/json.h"
+#include "formats/triangle_mesh.h"
+#include "formats/words.h"
+
+namespace bakelight::formats {
+
+class JsonReader;
+
+// How light that has entered comes out again (transport/diffusion.h).
+enum class DiffusionModel { kDipole, kBetterDipole, kNormalizedDiffusion };
+inline constexpr Word<DiffusionModel> kDiffusionModels[] = {
+    {"dipole", DiffusionModel::kDipole},
+    {"better_dipole", DiffusionModel::kBetterDipole},
+    {"normalized_diffusion", DiffusionModel::kNormalizedDiffusion}};
+
+// Red, green and blue.
+struct Medium {
+  Float3 reduced_scattering = {1, 1, 1};  // σs′, in 1/mm, > 0
+  Float3 absorption = {0, 0, 0};          // σa, in 1/mm, ≥ 0
+  double eta = 1.3;                       // index of refraction, 1–3
+  double unit_mm = 1;                     // millimetres in the asset's unit of length
+  DiffusionModel model = DiffusionModel::kDipole;
+  bool operator==(const Medium&) const = default;
+};
+
+// Measured ones (Jensen, Marschner, Levoy and Hanrahan 2001, figure 5), and what stands for none of them.
+std::vector<std::string> namesOfMedia();
+
+// {"name": one of namesOfMedia()} or {"reduced_scattering": …, "absorption": …}, with "eta", "unit_mm" and "model". Throws
+// Error(kBadInput) as JsonReader.
+Medium mediumFrom(const JsonReader& object);
+Json toJson(const Medium& medium);  // by coefficients
+
+}  // namespace bakelight::formats

@@ -1,0 +1,1 @@
+bakelight_test(diffusion_test SOURCES diffusion_test.cpp LIBRARIES bakelight_transport)
