@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/pack_reading.h"
+#include "formats/pixel_transfer.h"
 
 namespace bakelight::formats {
 namespace {
@@ -120,6 +121,8 @@ class PackReader : private PackReading {
     pack.colors = readAttribute<Float3>("COLOR_0", "VEC3");
     const auto tangents = readAttribute<Float4>("TANGENT", "VEC4");
     pack.transfer = readPart(kTransfer, transferKinds(), tangents);
+    if (auto* pixel = pack.transfer.as<PixelTransfer>(); pixel != nullptr && pixel->sums)
+      pixel->sums->grammar = std::make_shared<const SumGrammar>(decodeSums(codedSumsOf(*pixel), glb_.file()));
     pack.appearances.clear();
     for (std::size_t i = 0; i < primitives_.size(); ++i)
       pack.appearances.push_back(readAppearance("/materials/" + std::to_string(i)));

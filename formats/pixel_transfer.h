@@ -2,12 +2,16 @@
 // cube map of light to the cells of the hemisphere over the vertex, as integers.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "formats/fields.h"
+#include "formats/sum_grammar_code.h"
 #include "formats/triangle_mesh.h"
 
 namespace bakelight::formats {
@@ -46,7 +50,20 @@ struct PixelRows {
   }
 };
 
-// Transfer in a pixel basis as a pack's transfer: compressed sparse rows.
+// What a compressor changed of a matrix: shares of the light of an open cell under a white sky.
+struct PixelChanges {
+  float tolerance = 0;  // of a row, that it was allowed
+  float largest_error = 0, rms_error = 0;
+};
+
+// Rows as sums that they share, entropy-coded.
+struct PixelSums {
+  int block_count = 0;  // of local_side² rows
+  std::array<IntegerArray, kSumStreams> streams;
+  std::shared_ptr<const SumGrammar> grammar;  // what the streams tell; whoever reads a pack finds it decoded
+};
+
+// Transfer in a pixel basis as a pack's transfer: compressed sparse rows, or sums.
 struct PixelTransfer {
   static constexpr const char* kKind = "pixel";
   void describe(FieldVisitor& fields);
@@ -58,14 +75,22 @@ struct PixelTransfer {
   std::vector<Float4> tangents;  // of the vertices' frames
   // Rows come by blocks of local_side²; which block is a vertex's, so that copies of vertices share one and nothing moves with them.
   std::vector<std::uint32_t> blocks;
+  std::optional<PixelChanges> changes;        // none: exact
+  std::optional<PixelSums> sums;              // else:
   IntegerArray row_lengths{2, {}};            // blocks · local_side²: entries of each row
   IntegerArray columns{2, {}}, codes{1, {}};  // as PixelCodes
 
   std::size_t cells() const { return static_cast<std::size_t>(local_side) * local_side; }
-  std::size_t blockCount() const { return row_lengths.count() / cells(); }
+  std::size_t texels() const { return 6 * static_cast<std::size_t>(cube_side) * cube_side; }
+  std::size_t blockCount() const {
+    return sums ? static_cast<std::size_t>(sums->block_count) : row_lengths.count() / cells();
+  }
+
+ private:
+  void describeRows(FieldVisitor& fields);
 };
 
-// The rows of all blocks. Shares the bytes of columns and codes. Throws std::invalid_argument if sizes do not fit.
+// The rows of all blocks. Shares the bytes of columns and codes. Throws std::invalid_argument if sizes do not fit, or for sums.
 class PixelTransferRows {
  public:
   explicit PixelTransferRows(const PixelTransfer& transfer);
@@ -78,5 +103,10 @@ class PixelTransferRows {
 
 // A block a vertex. Throws std::invalid_argument unless there are as many tangents.
 PixelTransfer pixelTransferOf(const PixelCodes& codes, std::vector<Float4> tangents);
+// Likewise; `grammar` is what `coded` tells.
+PixelTransfer pixelTransferOf(const CodedSums& coded, std::shared_ptr<const SumGrammar> grammar,
+                              std::vector<Float4> tangents);
+// Of transfer that has sums.
+CodedSums codedSumsOf(const PixelTransfer& transfer);
 
 }  // namespace bakelight::formats

@@ -88,7 +88,9 @@ const formats::PixelTransfer& pixelTransfer(const formats::Pack& pack) {
 
 AllFrequencyShading::AllFrequencyShading(const formats::Pack& pack)
     : mesh_(pack.mesh),
-      transfer_(pixelTransfer(pack)),
+      cube_side_(pixelTransfer(pack).cube_side),
+      subsamples_(pixelTransfer(pack).subsamples),
+      cells_(pixelTransfer(pack).cells()),
       tangents_(pixelTransfer(pack).tangents),
       blocks_(pixelTransfer(pack).blocks),
       ranges_(formats::appearanceRanges(pack)),
@@ -98,6 +100,17 @@ AllFrequencyShading::AllFrequencyShading(const formats::Pack& pack)
   if (tangents_.size() != vertices || mesh_.normals.size() != vertices || blocks_.size() != vertices ||
       std::any_of(blocks_.begin(), blocks_.end(), [&](std::uint32_t block) { return block >= block_count; }))
     throw std::invalid_argument("all-frequency shading needs a frame and a block of rows for each vertex");
+  if (transfer.sums) {
+    sums_ = transfer.sums->grammar;
+    if (sums_ == nullptr || sums_->row_count != block_count * cells_ ||
+        sums_->columnCount() != transfer.texels() || sums_->subsamples != subsamples_)
+      throw std::invalid_argument("the sums of transfer in a pixel basis are not those of its sizes");
+    value_places_ = valuePlaces(*sums_);
+    values_.assign(sums_->row_places.size(), Radiance4::Zero());
+  } else {
+    rows_.emplace(transfer);
+    light_.assign(transfer.texels(), Float3{0, 0, 0});
+  }
   const std::vector<const formats::PackImage*> indices = formats::patchIndices(pack);
   for (std::size_t i = 0; i < ranges_.size(); ++i) {
     const formats::Appearance& appearance = pack.appearances[i];
@@ -114,7 +127,6 @@ AllFrequencyShading::AllFrequencyShading(const formats::Pack& pack)
       for (std::size_t c = 0; c < 3; ++c)
         vertex_albedo_[v][c] = appearance.base_color[c] * (pack.colors.empty() ? 1 : pack.colors[v][c]);
   }
-  light_.assign(transfer_.view().columnCount(), Float3{0, 0, 0});
   projected_.assign(vertices * components_, Float3{0, 0, 0});
   creased_ = creasedTriangles(mesh_, tangents_, transfer.crease_angle);
 }
@@ -122,7 +134,7 @@ AllFrequencyShading::AllFrequencyShading(const formats::Pack& pack)
 LightNeeds AllFrequencyShading::needs() const {
   // One band tells how bright the light is, for exposure.
   LightNeeds needs{1};
-  needs.cube_side = transfer_.view().cube_side;
+  needs.cube_side = cube_side_;
   return needs;
 }
 
@@ -131,37 +143,54 @@ void AllFrequencyShading::setLight(std::span<const Float3>, std::span<const Floa
 }
 
 std::vector<Float3> AllFrequencyShading::incident(std::size_t vertex) const {
-  const formats::PixelCodes codes = transfer_.view();
-  const std::size_t cells = static_cast<std::size_t>(codes.local_side) * codes.local_side;
-  std::vector<Float3> result(cells);
-  const std::size_t first_row = blocks_[vertex] * cells;
-  for (std::size_t cell = 0; cell < cells; ++cell) {
+  std::vector<Float3> cells(cells_);
+  rows_ ? incidentFromRows(blocks_[vertex], cells) : incidentFromSums(blocks_[vertex], cells);
+  return cells;
+}
+
+void AllFrequencyShading::incidentFromRows(std::size_t block, std::span<Float3> cells) const {
+  const formats::PixelCodes codes = rows_->view();
+  const std::size_t first_row = block * cells_;
+  for (std::size_t cell = 0; cell < cells_; ++cell) {
     std::array<double, 3> sum = {};
     for (std::uint64_t i = codes.row_offsets[first_row + cell]; i < codes.row_offsets[first_row + cell + 1];
          ++i) {
       const Float3& light = light_[codes.columns[i]];
       for (std::size_t c = 0; c < 3; ++c) sum[c] += double{light[c]} * codes.codes[i];
     }
-    for (std::size_t c = 0; c < 3; ++c) result[cell][c] = static_cast<float>(sum[c]);
+    for (std::size_t c = 0; c < 3; ++c) cells[cell][c] = static_cast<float>(sum[c]);
   }
-  return result;
+}
+
+void AllFrequencyShading::incidentFromSums(std::size_t block, std::span<Float3> cells) const {
+  for (std::size_t cell = 0; cell < cells_; ++cell) {
+    const std::uint32_t place = value_places_[block * cells_ + cell];
+    cells[cell] =
+        place == kNoValue ? Float3{0, 0, 0} : Float3{values_[place][0], values_[place][1], values_[place][2]};
+  }
 }
 
 void AllFrequencyShading::setCubeLight(std::span<const Float3> radiance) {
-  const formats::PixelCodes codes = transfer_.view();
-  if (radiance.size() != light_.size())
+  const std::size_t texels = 6 * static_cast<std::size_t>(cube_side_) * cube_side_;
+  if (radiance.size() != texels)
     throw std::invalid_argument("the light has another number of texels than the pack's transfer");
-  light_ = texelLight(radiance, codes.cube_side, codes.subsamples);
-  const std::size_t cells = static_cast<std::size_t>(codes.local_side) * codes.local_side;
+  if (sums_ != nullptr) {
+    const std::vector<Float3> whole = texelLight(radiance, cube_side_, 1);
+    std::vector<Radiance4> light(texels);
+    for (std::size_t k = 0; k < texels; ++k) light[k] = Radiance4(whole[k][0], whole[k][1], whole[k][2], 0);
+    multiply(*sums_, light, values_);
+  } else {
+    light_ = texelLight(radiance, cube_side_, subsamples_);
+  }
   for (std::size_t a = 0; a < ranges_.size(); ++a)
     tbb::parallel_for(ranges_[a].first, ranges_[a].end, [&](std::size_t v) {
       const std::vector<Float3> falling = incident(v);
       const Patch& patch = *patches_[a];
       for (std::size_t k = 0; k < patch.lookup.components(); ++k)
         for (std::size_t c = 0; c < 3; ++c) {
-          const float* basis = &patch.basis[(3 * k + c) * cells];
+          const float* basis = &patch.basis[(3 * k + c) * cells_];
           double product = 0;
-          for (std::size_t j = 0; j < cells; ++j) product += double{basis[j]} * falling[j][c];
+          for (std::size_t j = 0; j < cells_; ++j) product += double{basis[j]} * falling[j][c];
           projected_[v * components_ + k][c] = static_cast<float>(product) * vertex_albedo_[v][c];
         }
     });

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "formats/pack_contents.h"
 #include "formats/pixel_transfer.h"
 #include "transport/pack_shading.h"
+#include "transport/sum_product.h"
 
 namespace bakelight::transport {
 
@@ -51,11 +53,17 @@ class AllFrequencyShading final : public PackShading {
  private:
   struct Patch;
 
+  void incidentFromRows(std::size_t block, std::span<Float3> cells) const;
+  void incidentFromSums(std::size_t block, std::span<Float3> cells) const;
   Float3 radianceAt(const SurfaceHit& hit) const;
   std::array<float, 3> frameWeights(const SurfaceHit& hit) const;
 
   formats::TriangleMesh mesh_;
-  formats::PixelTransferRows transfer_;
+  int cube_side_, subsamples_;
+  std::size_t cells_;
+  std::optional<formats::PixelTransferRows> rows_;  // or:
+  std::shared_ptr<const formats::SumGrammar> sums_;
+  std::vector<std::uint32_t> value_places_;  // of the sums' values: valuePlaces()
   std::vector<formats::Float4> tangents_;
   std::vector<std::uint32_t> blocks_;
   std::vector<std::uint8_t> creased_;                  // a triangle: its corners' frames differ too much
@@ -63,8 +71,9 @@ class AllFrequencyShading final : public PackShading {
   std::vector<formats::VertexRange> ranges_;           // by appearance
   std::vector<Float3> vertex_albedo_;                  // of Lambertian appearances; 1 elsewhere
   std::size_t components_ = 0;                         // the most that a patch has
-  std::vector<Float3> light_;                          // radiance × solid angle ÷ subsamples², a texel
-  std::vector<Float3> projected_;                      // n × components_
+  std::vector<Float3> light_;      // for rows: radiance × solid angle ÷ subsamples², a texel
+  std::vector<Radiance4> values_;  // of the sums under the light
+  std::vector<Float3> projected_;  // n × components_
   ViewPoint view_{Vec3(0, 0, 0)};
 };
 

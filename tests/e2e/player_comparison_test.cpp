@@ -9,6 +9,7 @@
 #include "formats/image.h"
 #include "formats/pack.h"
 #include "tests/e2e/made_packs.h"
+#include "tests/support/compressed_transfer.h"
 #include "tests/support/made_pixel_pack.h"
 #include "tests/support/made_rtt.h"
 #include "transport/lights.h"
@@ -97,7 +98,8 @@ TEST_F(PlayerAgainstCpu, RadianceTransferTextures) {
 }
 
 // Transfer in a pixel basis with BTFs: frames that turn and change hands from vertex to vertex, so that every triangle has a crease,
-// and smooth ones; relief and none; a sun in one texel of the light, and emitters near by.
+// and smooth ones; relief and none; a sun in one texel of the light, and emitters near by. As sums that rows share, in several tiles,
+// and as rows.
 TEST_F(PlayerAgainstCpu, TransferInAPixelBasis) {
   for (const bool creased : {true, false}) {
     SCOPED_TRACE(creased);
@@ -113,9 +115,12 @@ TEST_F(PlayerAgainstCpu, TransferInAPixelBasis) {
       transfer.tangents = transport::textureFrames(pack.mesh).tangents;
       for (formats::Float4& tangent : transfer.tangents) tangent[3] = 1;  // at the seam, too
     }
-    pack.transfer = transfer;
+    pack.transfer = compressed(transfer, {.rows_per_tile = 2000});
+    ASSERT_FALSE(pack.transfer.as<formats::PixelTransfer>()->sums->grammar->sum_parts.empty());
     formats::reflectionOf(pack) = btf;
     if (!creased) {
+      compare(pack, kSmall, sky());
+      pack.transfer = transfer;
       compare(pack, kSmall, sky());
       continue;
     }

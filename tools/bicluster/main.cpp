@@ -1,6 +1,10 @@
 // bicluster: compresses transfer in a pixel basis, exactly or within a bound.
+#include <array>
+#include <charconv>
 #include <chrono>
 #include <filesystem>
+#include <string>
+#include <utility>
 
 #include "formats/error.h"
 #include "formats/sum_grammar_file.h"
@@ -31,9 +35,45 @@ void reportSizes(stage::Run& run, const formats::PixelCodes& codes, double opera
   run.stat("flops_percent", entries > 0 ? 100 * operations / (2 * entries) : 0);
 }
 
+// What pack asks of transfer beside the matrix.
+void takeFrames(const formats::TensorFile& transfer, formats::TensorFile& file) {
+  for (const char* frame : {"normals", "tangents"})
+    if (const auto found = transfer.tensors.find(frame); found != transfer.tensors.end())
+      file.tensors.insert(*found);
+  for (const char* key : {"mesh_hash", "transport", "cosine"})
+    if (const auto found = transfer.metadata.find(key); found != transfer.metadata.end())
+      file.metadata.insert(*found);
+}
+
+std::string textOf(double value) {
+  std::array<char, 32> text;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), static_cast<float>(value)).ptr};
+}
+
+void takeFigures(double tolerance, const bicluster::ToleranceFigures& figures, formats::TensorFile& file) {
+  if (tolerance == 0) return;
+  file.metadata["tolerance"] = textOf(tolerance);
+  file.metadata["largest_error"] = textOf(figures.largest_error);
+  file.metadata["rms_error"] = textOf(figures.rms_error);
+}
+
+// As transfer writes them.
+void writeRows(const formats::PixelCodes& codes, formats::TensorFile file,
+               const std::filesystem::path& path) {
+  using formats::ElementType;
+  file.tensors["row_offsets"] = formats::Tensor::from<std::uint64_t>(
+      ElementType::kInt64, {codes.row_offsets.size()}, codes.row_offsets);
+  file.tensors["columns"] =
+      formats::Tensor::from<std::uint16_t>(ElementType::kUint16, {codes.columns.size()}, codes.columns);
+  file.tensors["codes"] =
+      formats::Tensor::from<std::uint8_t>(ElementType::kUint8, {codes.codes.size()}, codes.codes);
+  formats::writeSafetensors(path, file);
+}
+
 // Read back and compared, entry by entry.
 void writeSums(stage::Run& run, const formats::PixelCodes& codes, const formats::TensorFile& transfer,
-               const bicluster::SumOptions& options, const std::filesystem::path& path) {
+               const bicluster::SumOptions& options, double tolerance,
+               const bicluster::ToleranceFigures& figures, const std::filesystem::path& path) {
   const double start = seconds();
   const formats::SumGrammar grammar = bicluster::compress(codes, options);
   run.stat("compress_s", seconds() - start);
@@ -43,12 +83,8 @@ void writeSums(stage::Run& run, const formats::PixelCodes& codes, const formats:
   run.stat("operations_executed", bicluster::operationsOf(grammar).executed);
   run.stat("bytes_in_memory", bicluster::bytesInMemory(grammar));
   run.stat("tiles", grammar.tileCount());
-  for (const char* frame : {"normals", "tangents"})
-    if (const auto found = transfer.tensors.find(frame); found != transfer.tensors.end())
-      file.tensors.insert(*found);
-  for (const char* key : {"mesh_hash", "transport", "cosine"})
-    if (const auto found = transfer.metadata.find(key); found != transfer.metadata.end())
-      file.metadata.insert(*found);
+  takeFrames(transfer, file);
+  takeFigures(tolerance, figures, file);
   formats::writeSafetensors(path, file);
   const double loading = seconds();
   const formats::SumGrammar loaded = formats::decodeSumGrammar(formats::readSafetensors(path), path.string());
@@ -71,7 +107,7 @@ int main(int argc, char** argv) {
       "Compresses transfer in a pixel basis into sums that its rows share, exactly or within a bound.");
   tool.input("transfer", "tensors", transfer_path, "safetensors file that transfer wrote with basis pixel")
       .output("out", "tensors", out_path,
-              "safetensors file of sums, see docs/FORMATS.md; of method sums only", false)
+              "safetensors file for pack, see docs/FORMATS.md; of method greedy there is none", false)
       .parameter("method", method, kMethods,
                  "sums, or for comparison the published greedy biclusters or no compression, of which "
                  "figures are told")
@@ -97,12 +133,18 @@ int main(int argc, char** argv) {
     run.stat("white_sky_largest_error", changed.figures.white_sky_error);
     run.stat("white_sky_rms_error", changed.figures.white_sky_rms);
     run.stat("changed_rows", changed.figures.changed_rows);
-    if (method != Method::kSums && !out_path.empty())
-      run.warn("only method sums is written to a file; of the others there are figures");
+    if (method == Method::kGreedy && !out_path.empty())
+      throw Error(ExitStatus::kUsage, {}, "of method greedy there are figures, but no file", "sums or csr",
+                  "leave --out out, or take another method");
     const double start = seconds();
     if (method == Method::kCsr) {
       const double entries = static_cast<double>(codes.columns.size());
       reportSizes(run, codes, 2 * entries, 3 * entries + 4 * static_cast<double>(codes.rowCount() + 1));
+      if (!out_path.empty()) {
+        formats::TensorFile file = transfer.file;
+        takeFigures(tolerance, changed.figures, file);
+        writeRows(codes, std::move(file), out_path);
+      }
     } else if (method == Method::kGreedy) {
       const bicluster::Biclusters biclusters = bicluster::greedyBiclusters(codes);
       run.stat("compress_s", seconds() - start);
@@ -114,7 +156,7 @@ int main(int argc, char** argv) {
         throw Error(ExitStatus::kUsage, {}, "--out is missing", "a file for the sums", "add --out FILE");
       writeSums(run, codes, transfer.file,
                 {static_cast<std::uint32_t>(rows_per_tile), static_cast<std::uint32_t>(least_uses)},
-                out_path);
+                tolerance, changed.figures, out_path);
     }
   });
 }

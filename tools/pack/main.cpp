@@ -9,6 +9,7 @@
 #include "formats/tensors.h"
 #include "tools/pack/packing.h"
 #include "tools/pack/report.h"
+#include "tools/pack/transfer_reader.h"
 #include "tools/stage/stage.h"
 
 using namespace bakelight;
@@ -29,7 +30,7 @@ int main(int argc, char** argv) {
 
   stage::Tool tool("pack", "Puts a mesh and its baked transfer together as one pack, a binary glTF file.");
   tool.input("mesh", "mesh", mesh_path, "PLY mesh that the transfer was baked for")
-      .input("transfer", "tensors", transfer_path, "safetensors file of the transfer tool")
+      .input("transfer", "tensors", transfer_path, "safetensors file of the transfer tool, or of bicluster")
       .input("material", "material", material_path, "what the mesh is made of, the one that was baked with",
              false)
       .input("brdf", "tensors", brdf_path, "With reflection table: safetensors file of the brdf tool", false)
@@ -86,7 +87,7 @@ int main(int argc, char** argv) {
     packing::takeMaterials(materials, patches);
     if (!btf_path.empty()) patches.btfs[""] = formats::openBtf(btf_path);
     // In a directional basis; without transfer for them, they are none of this tool's business.
-    if (transfer.requireMetadata("technique", transfer_path.string()) == "pixel")
+    if (packing::isPixelTechnique(transfer.requireMetadata("technique", transfer_path.string())))
       packing::takeBtfs(materials, patches);
     formats::takePatchAlbedo(materials, patches.textures);
     options.material = formats::materialsOn(mesh, materials, mesh_path.string(), material_path.string());

@@ -284,7 +284,7 @@ formats::Pack assemblePack(formats::TriangleMesh mesh, const TensorFile& transfe
   const TensorSource source(transfer, files.transfer,
                             "bake it again, for this mesh and by the transfer tool of this version");
   std::vector<TextureFigures> figures;
-  formats::Pack pack = source.text("technique") == "pixel"
+  formats::Pack pack = isPixelTechnique(source.text("technique"))
                            ? assemblePixelPack(std::move(mesh), source, options, files, patches, figures)
                            : assembleShPack(std::move(mesh), source, brdf, options, files, patches, figures);
   if (textures != nullptr) *textures = std::move(figures);

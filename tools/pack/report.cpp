@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <variant>
 
+#include "formats/pixel_transfer.h"
 #include "tools/pack/packing.h"
 
 namespace bakelight::packing {
@@ -40,6 +41,11 @@ bool lobeLeavesOut(const formats::SurfaceMaterials& material) {
   });
 }
 
+const char* pixelStorage(const formats::Pack& pack) {
+  const auto* pixel = pack.transfer.as<formats::PixelTransfer>();
+  return pixel != nullptr && pixel->sums ? "sums" : "csr";
+}
+
 }  // namespace
 
 void warnOfLobe(const formats::Pack& pack, const formats::SurfaceMaterials& material, stage::Run& run) {
@@ -69,9 +75,14 @@ void report(const formats::Pack& pack, const formats::TensorFile& transfer, std:
   run.stat("bytes_per_vertex", sizes);
   const auto* sh = pack.transfer.as<formats::ShTransfer>();
   const bool is_glossy = sh != nullptr && sh->glossy.has_value();
-  run.stat("storage", sh == nullptr ? "csr" : is_glossy ? sh->glossy->operatorName() : "none");
+  run.stat("storage", is_glossy ? sh->glossy->operatorName() : sh != nullptr ? "none" : pixelStorage(pack));
   run.stat("materials", written.appearances.size());
   run.stat("albedo_source", pack.colors.empty() ? "material" : "vertices");
+  if (const auto* pixel = pack.transfer.as<formats::PixelTransfer>(); pixel != nullptr && pixel->changes) {
+    run.stat("tolerance", pixel->changes->tolerance);
+    run.stat("largest_error", pixel->changes->largest_error);
+    run.stat("rms_error", pixel->changes->rms_error);
+  }
   if (is_glossy) run.stat("precision_error", precisionErrors(pack, transfer));
   if (reflectsTooMuch(pack)) {
     run.warn("albedo and specular_color add up to more than 1: the object reflects more light than it gets");

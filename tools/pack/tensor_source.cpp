@@ -44,6 +44,15 @@ int TensorSource::integer(const char* key, int most) const {
   throw error(std::string("metadata ") + key, "it is '" + digits + "'", "1 to " + std::to_string(most));
 }
 
+float TensorSource::number(const char* key, float most) const {
+  const std::string& digits = text(key);
+  float value = 0;
+  const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (status == std::errc() && end == digits.data() + digits.size() && value >= 0 && value <= most)
+    return value;
+  throw error(std::string("metadata ") + key, "it is '" + digits + "'", "0 to " + std::to_string(most));
+}
+
 const Tensor& TensorSource::tensor(const char* name, std::size_t rank, ElementType type) const {
   return tensors_.require(name, type, rank, file_);
 }

@@ -23,13 +23,16 @@ class TensorSource {
   // `remedy` is what to do about a file that is wrong. `tensors` must outlive the source.
   TensorSource(const formats::TensorFile& tensors, std::string file, std::string remedy);
 
+  const formats::TensorFile& tensors() const { return tensors_; }
+  const std::string& file() const { return file_; }
   Error error(const std::string& element, const std::string& what, const std::string& expected) const;
 
   // All of these throw Error(kBadInput).
   const std::string& text(const char* key) const;
   void requireText(const char* key, const std::string& expected) const;
-  int order(const char* key) const;              // 1–10
-  int integer(const char* key, int most) const;  // 1–most
+  int order(const char* key) const;                 // 1–10
+  int integer(const char* key, int most) const;     // 1–most
+  float number(const char* key, float most) const;  // 0–most
 
   bool has(const char* name) const { return tensors_.tensors.contains(name); }
   const formats::Tensor& tensor(const char* name, std::size_t rank,

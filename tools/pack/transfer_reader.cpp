@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
+#include <memory>
 #include <utility>
+
+#include "formats/sum_grammar_file.h"
 
 namespace bakelight::packing {
 namespace {
@@ -141,7 +145,30 @@ formats::ShTransfer readTransfer(const TensorSource& source, std::uint64_t verti
   return TransferReader(source, vertices, precision).read();
 }
 
-formats::PixelTransfer readPixelTransfer(const TensorSource& source, std::uint64_t vertices) {
+bool isPixelTechnique(const std::string& technique) {
+  return technique == "pixel" || technique == "sum_grammar";
+}
+
+namespace {
+
+std::vector<formats::Float4> tangentsOf(const TensorSource& source, std::uint64_t vertices) {
+  const auto values = source.tensor("tangents", {vertices, 4}, "vertices × (x, y, z, sign)").as<float>();
+  std::vector<formats::Float4> tangents(vertices);
+  if (!values.empty()) std::memcpy(tangents.data(), values.data(), values.size_bytes());
+  return tangents;
+}
+
+formats::PixelTransfer readSums(const TensorSource& source, std::uint64_t vertices) {
+  const formats::CodedSums coded = formats::codedSumsOf(source.tensors(), source.file());
+  const std::uint64_t rows = vertices * squared(coded.local_side);
+  if (coded.row_count != rows)
+    throw source.error("metadata rows", "it is " + std::to_string(coded.row_count),
+                       std::to_string(rows) + ", local_side² for each vertex of the mesh");
+  auto grammar = std::make_shared<const formats::SumGrammar>(formats::decodeSums(coded, source.file()));
+  return formats::pixelTransferOf(coded, std::move(grammar), tangentsOf(source, vertices));
+}
+
+formats::PixelTransfer readRows(const TensorSource& source, std::uint64_t vertices) {
   formats::PixelCodes codes;
   codes.cube_side = source.integer("cube_side", formats::kMostCubeSide);
   codes.local_side = source.integer("local_side", formats::kMostLocalSide);
@@ -164,10 +191,19 @@ formats::PixelTransfer readPixelTransfer(const TensorSource& source, std::uint64
                          "it ends at " + std::to_string(codes.row_offsets[row + 1]) + " and begins at " +
                              std::to_string(codes.row_offsets[row]),
                          "from 0 on, no row longer than " + std::to_string(most) + " texels");
-  const auto values = source.tensor("tangents", {vertices, 4}, "vertices × (x, y, z, sign)").as<float>();
-  std::vector<formats::Float4> tangents(vertices);
-  if (!values.empty()) std::memcpy(tangents.data(), values.data(), values.size_bytes());
-  return formats::pixelTransferOf(codes, std::move(tangents));
+  return formats::pixelTransferOf(codes, tangentsOf(source, vertices));
+}
+
+}  // namespace
+
+formats::PixelTransfer readPixelTransfer(const TensorSource& source, std::uint64_t vertices) {
+  const bool has_sums = source.text("technique") == "sum_grammar";
+  formats::PixelTransfer transfer = has_sums ? readSums(source, vertices) : readRows(source, vertices);
+  constexpr float kMostError = std::numeric_limits<float>::max();
+  if (source.tensors().metadata.contains("tolerance"))
+    transfer.changes = {source.number("tolerance", 1), source.number("largest_error", kMostError),
+                        source.number("rms_error", kMostError)};
+  return transfer;
 }
 
 }  // namespace bakelight::packing

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "formats/pack_contents.h"
 #include "formats/pixel_transfer.h"
@@ -14,7 +15,9 @@ namespace bakelight::packing {
 formats::ShTransfer readTransfer(const TensorSource& source, std::uint64_t vertices,
                                  formats::Precision precision);
 
-// Of technique pixel. Throws likewise.
+// Of transfer in a pixel basis: rows, as transfer writes them, or bicluster's sums.
+bool isPixelTechnique(const std::string& technique);
+// Of such a technique. Throws likewise.
 formats::PixelTransfer readPixelTransfer(const TensorSource& source, std::uint64_t vertices);
 
 }  // namespace bakelight::packing

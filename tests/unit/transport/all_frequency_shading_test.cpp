@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "tests/support/compressed_transfer.h"
 #include "tests/support/made_pixel_pack.h"
 #include "tests/support/shapes.h"
 #include "transport/cube_light.h"
@@ -236,6 +237,41 @@ TEST(AllFrequencyShading, DoesNotInterpolateAcrossCreases) {
   transfer.tangents[1][3] = -1;  // another handedness
   pack.transfer = transfer;
   EXPECT_NEAR(redAt(0.2F), 1, 0.02);
+}
+
+// Vertices that share blocks, blocks that none has, a block in which nothing is seen, under a sun.
+TEST(AllFrequencyShading, OfSumsIsThatOfRows) {
+  Pack pack = ballPack(flatBtf(kLocal));
+  const formats::PixelTransfer whole = unshadowed(pack.mesh, anyTangents(pack.mesh));
+  const formats::PixelTransferRows read(whole);
+  PixelRows seen;
+  seen.cube_side = kSide, seen.local_side = kLocal, seen.subsamples = 1;
+  for (std::size_t row = 0; row < read.view().rowCount(); ++row) {
+    for (std::uint64_t i = read.view().row_offsets[row]; i < read.view().row_offsets[row + 1]; ++i)
+      if (row / whole.cells() != 12 && row % 7 != 0) seen.columns.push_back(read.view().columns[i]);
+    seen.row_offsets.push_back(seen.columns.size());
+  }
+  seen.codes.assign(seen.columns.size(), 1);
+  formats::PixelTransfer rows = formats::pixelTransferOf(seen.view(), whole.tangents);
+  rows.blocks[3] = rows.blocks[4] = 8;
+  pack.transfer = rows;
+  AllFrequencyShading of_rows(pack);
+  pack.transfer = compressed(rows, {.rows_per_tile = 3000});
+  const formats::SumGrammar& grammar = *pack.transfer.as<formats::PixelTransfer>()->sums->grammar;
+  ASSERT_GT(grammar.tileCount(), 1U);
+  ASSERT_LT(grammar.row_places.size(), grammar.row_count);
+  AllFrequencyShading of_sums(pack);
+  of_rows.setCubeLight(someCube()), of_sums.setCubeLight(someCube());
+  for (std::size_t v = 0; v < pack.mesh.vertexCount(); ++v) {
+    const std::vector<Float3> expected = of_rows.incident(v), found = of_sums.incident(v);
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t cell = 0; cell < found.size(); ++cell)
+      for (std::size_t c = 0; c < 3; ++c)
+        ASSERT_NEAR(found[cell][c], expected[cell][c], 1e-6 * expected[cell][c]) << v << " " << cell;
+  }
+  EXPECT_EQ(shade(of_sums, someCube(), pack.mesh).size(), someHits(pack.mesh).size());
+  pack.transfer.as<formats::PixelTransfer>()->sums->grammar = nullptr;
+  EXPECT_THROW(AllFrequencyShading{pack}, std::invalid_argument);
 }
 
 TEST(AllFrequencyShading, TakesSeveralMaterials) {

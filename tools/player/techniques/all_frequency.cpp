@@ -20,12 +20,6 @@ using formats::BtfReflection;
 using formats::Float3;
 using formats::Float4;
 
-constexpr std::size_t kMostRowsBytes = std::size_t{64} << 20;  // of entries in one buffer
-
-Buffer bufferOf(const auto& values) {
-  return makeBuffer(values.size() * sizeof(values[0]), values.data());
-}
-
 // The mesh as it is drawn: triangles across creases thrice, for each corner with its frame and light (PatchSurface).
 struct DrawnMesh {
   formats::TriangleMesh mesh;
@@ -127,9 +121,8 @@ AllFrequency::AllFrequency(const formats::Pack& pack, const SurfaceMesh& mesh)
       subsamples_(transferOf(pack).subsamples),
       cells_(transferOf(pack).cells()) {
   const formats::PixelTransfer& transfer = transferOf(pack);
-  const formats::PixelTransferRows rows(transfer);
-  uploadRows(rows.view());
-  light_ = makeBuffer(rows.view().columnCount() * sizeof(Float3), nullptr, GL_DYNAMIC_STORAGE_BIT);
+  product_ = makePixelProduct(transfer);
+  light_ = makeBuffer(transfer.texels() * sizeof(Float3), nullptr, GL_DYNAMIC_STORAGE_BIT);
   GLint64 largest = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &largest);
   const std::size_t incident_bytes = transfer.blockCount() * cells_ * sizeof(Float3);
@@ -139,7 +132,7 @@ AllFrequency::AllFrequency(const formats::Pack& pack, const SurfaceMesh& mesh)
                    "at most " + std::to_string(largest >> 20) + " on this GPU",
                    "a simplified mesh, or fewer cells");
   incident_ = makeBuffer(incident_bytes, nullptr);
-  transfer_program_ = makeComputeProgram({kPixelTransferComp});
+  glClearNamedBufferData(incident_.name(), GL_R32F, GL_RED, GL_FLOAT, nullptr);  // rows without an entry
 
   const std::vector<const formats::PackImage*> indices = formats::patchIndices(pack);
   const BtfReflection flat = transport::flatBtf(transfer.local_side);
@@ -160,29 +153,6 @@ AllFrequency::AllFrequency(const formats::Pack& pack, const SurfaceMesh& mesh)
   throwIfGlFailed("uploading transfer in a pixel basis");
 }
 
-void AllFrequency::uploadRows(const formats::PixelCodes& codes) {
-  const std::size_t blocks = codes.rowCount() / cells_;
-  for (std::size_t block = 0; block < blocks;) {
-    Rows rows;
-    rows.first_block = block;
-    const std::uint64_t first = codes.row_offsets[block * cells_];
-    const auto entriesTo = [&](std::size_t end) { return codes.row_offsets[end * cells_] - first; };
-    do ++block;
-    while (block < blocks && entriesTo(block + 1) * sizeof(std::uint32_t) <= kMostRowsBytes);
-    rows.block_count = block - rows.first_block;
-    std::vector<std::uint32_t> offsets, entries;
-    for (std::size_t row = rows.first_block * cells_; row <= block * cells_; ++row)
-      offsets.push_back(static_cast<std::uint32_t>(codes.row_offsets[row] - first));
-    entries.reserve(std::max<std::size_t>(entriesTo(block), 1));
-    for (std::uint64_t i = first; i < first + entriesTo(block); ++i)
-      entries.push_back(codes.columns[i] | static_cast<std::uint32_t>(codes.codes[i]) << 16);
-    if (entries.empty()) entries.push_back(0);  // GL has no buffers of no bytes
-    rows.offsets = bufferOf(offsets);
-    rows.entries = bufferOf(entries);
-    rows_.push_back(std::move(rows));
-  }
-}
-
 void AllFrequency::setLight(const GpuLight&, const GpuLight*) {
   throw std::logic_error("all-frequency shading takes its light as a cube map");
 }
@@ -197,16 +167,7 @@ void AllFrequency::setCubeLight(std::span<const Float3> radiance) {
 
 void AllFrequency::transfer() {
   const GpuPass pass("transfer");
-  glUseProgram(transfer_program_.name());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, light_.name());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, incident_.name());
-  for (const Rows& rows : rows_) {
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, rows.offsets.name());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, rows.entries.name());
-    glUniform1ui(0, static_cast<GLuint>(rows.block_count * cells_));
-    glUniform1ui(1, static_cast<GLuint>(rows.first_block * cells_));
-    dispatchItems(rows.block_count * cells_);
-  }
+  product_->run(light_, incident_);
   throwIfGlFailed("transferring the light");
 }
 
@@ -219,10 +180,8 @@ void AllFrequency::draw(const Eigen::Matrix4f& clip_from_position) const {
 }
 
 std::size_t AllFrequency::gpuBytes() const {
-  std::size_t bytes =
-      sizeInBytes(light_) + sizeInBytes(incident_) + projection_->gpuBytes() + surface_->gpuBytes();
-  for (const Rows& rows : rows_) bytes += sizeInBytes(rows.offsets) + sizeInBytes(rows.entries);
-  return bytes;
+  return product_->gpuBytes() + sizeInBytes(light_) + sizeInBytes(incident_) + projection_->gpuBytes() +
+         surface_->gpuBytes();
 }
 
 }  // namespace bakelight::player

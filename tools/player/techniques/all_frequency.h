@@ -5,12 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 #include "formats/pack_contents.h"
 #include "formats/pixel_transfer.h"
 #include "tools/player/techniques/patch_projection.h"
 #include "tools/player/techniques/patch_surface.h"
+#include "tools/player/techniques/pixel_product.h"
 #include "tools/player/techniques/technique.h"
 
 namespace bakelight::player {
@@ -30,19 +30,11 @@ class AllFrequency final : public Technique {
   std::size_t gpuBytes() const override;
 
  private:
-  // Rows of as many blocks as one storage block holds the entries of.
-  struct Rows {
-    std::size_t first_block = 0, block_count = 0;
-    Buffer offsets;  // rows + 1
-    Buffer entries;  // column, and code from bit 16 on
-  };
-  void uploadRows(const formats::PixelCodes& codes);
   void transfer();
 
   int cube_side_, subsamples_;
   std::size_t cells_;
-  std::vector<Rows> rows_;
-  Program transfer_program_;
+  std::unique_ptr<PixelProduct> product_;
   Buffer light_;     // texels × RGB: radiance × solid angle ÷ subsamples²
   Buffer incident_;  // blocks × cells × RGB
   std::unique_ptr<PatchSurface> surface_;
