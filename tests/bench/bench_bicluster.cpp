@@ -8,7 +8,9 @@
 // columns, by the faster of two kernels) ÷ (seconds of the sums), RGB, all cores (a millisecond's work, of which waking the others is a
 // part), medians of runs in turn; csr_speedup_one_core the same on one. bytes_moved_ratio: (bytes that
 // the product reads and writes ÷ the rate at which this machine reads memory) ÷ its seconds. The figures of the bunny at 3,286
-// vertices have no suffix. `greedy` is the published method: a minute at 3,286 vertices, on one core.
+// vertices have no suffix. `greedy` is the published method: a minute at 3,286 vertices, on one core. `player`: the same products by
+// the player's compute shaders on the GL driver that is there, waited for; gpu_csr_speedup as csr_speedup. `shading`: light changes of
+// transport::AllFrequencyShading, with the projection onto a Lambertian surface.
 #include <benchmark/benchmark.h>
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
@@ -18,6 +20,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,8 +32,11 @@
 #include "tools/bicluster/bicluster.h"
 #include "tools/bicluster/greedy.h"
 #include "tools/bicluster/tolerance.h"
+#include "tools/player/gl/gl_context.h"
+#include "tools/player/techniques/pixel_product.h"
 #include "tools/simplify/simplify.h"
 #include "tools/transfer/pixel_transfer.h"
+#include "transport/all_frequency_shading.h"
 #include "transport/sum_product.h"
 
 namespace bakelight::bicluster {
@@ -229,6 +235,69 @@ void sums(benchmark::State& state) {
 }
 BENCHMARK(sums)->Name("sums")->DenseRange(0, 4)->Iterations(1)->UseManualTime()->Unit(
     benchmark::kMillisecond);
+
+void player(benchmark::State& state) {
+  const auto scene = static_cast<int>(state.range(0));
+  const std::string suffix = kScenes[scene].suffix;
+  const PixelCodes codes = rowsOf(scene).view();
+  const formats::SumGrammar grammar = compress(codes);
+  const bakelight::player::HeadlessContext context;
+  const bakelight::player::SumProduct sum_product(grammar);
+  const bakelight::player::RowProduct row_product(codes);
+  const std::vector<formats::Float3> light(codes.columnCount(), formats::Float3{1, 0.7F, 0.4F});
+  const bakelight::player::Buffer texels =
+      bakelight::player::makeBuffer(light.size() * sizeof(light[0]), light.data());
+  const bakelight::player::Buffer incident =
+      bakelight::player::makeBuffer(codes.rowCount() * sizeof(light[0]), nullptr);
+  const auto secondsOfProduct = [&](const bakelight::player::PixelProduct& product) {
+    return secondsOf([&] {
+      product.run(texels, incident);
+      glFinish();
+    });
+  };
+  for (auto _ : state) {
+    std::vector<double> ours, csr;
+    for (int round = 0; round < kRounds; ++round) {
+      ours.push_back(secondsOfProduct(sum_product));
+      csr.push_back(secondsOfProduct(row_product));
+    }
+    state.SetIterationTime(median(ours));
+    state.counters["gpu_csr_speedup" + suffix] = median(csr) / median(ours);
+    state.counters["gpu_product_ms" + suffix] = 1e3 * median(ours);
+    state.counters["gpu_csr_ms" + suffix] = 1e3 * median(csr);
+    state.counters["gpu_bytes" + suffix] = static_cast<double>(sum_product.gpuBytes());
+    state.counters["gpu_csr_bytes" + suffix] = static_cast<double>(row_product.gpuBytes());
+  }
+}
+BENCHMARK(player)->Name("player")->Arg(0)->Arg(1)->Iterations(1)->UseManualTime()->Unit(
+    benchmark::kMillisecond);
+
+void shading(benchmark::State& state) {
+  const PixelRows& rows = rowsOf(0);
+  formats::Pack pack{.name = "bunny", .mesh = kScenes[0].mesh()};
+  std::vector<formats::Float4> tangents;
+  for (const formats::Float3& normal : pack.mesh.normals) {
+    const formats::Float3 t = transport::float3(transport::vec3(normal).unitOrthogonal());
+    tangents.push_back({t[0], t[1], t[2], 1});
+  }
+  pack.transfer = formats::pixelTransferOf(rows.view(), tangents);
+  transport::AllFrequencyShading of_rows(pack);
+  auto grammar = std::make_shared<const formats::SumGrammar>(compress(rows.view()));
+  pack.transfer = formats::pixelTransferOf(formats::encodeSums(*grammar), grammar, tangents);
+  transport::AllFrequencyShading of_sums(pack);
+  const std::vector<formats::Float3> light(rows.view().columnCount(), formats::Float3{1, 0.7F, 0.4F});
+  for (auto _ : state) {
+    std::vector<double> ours, csr;
+    for (int round = 0; round < kRounds; ++round) {
+      ours.push_back(secondsOf([&] { of_sums.setCubeLight(light); }));
+      csr.push_back(secondsOf([&] { of_rows.setCubeLight(light); }));
+    }
+    state.SetIterationTime(median(ours));
+    state.counters["shading_csr_speedup"] = median(csr) / median(ours);
+    state.counters["shading_ms"] = 1e3 * median(ours);
+  }
+}
+BENCHMARK(shading)->Name("shading")->Iterations(1)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 void greedy(benchmark::State& state) {
   const PixelCodes codes = rowsOf(0).view();

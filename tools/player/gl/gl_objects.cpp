@@ -45,6 +45,13 @@ Texture makeTexture(GLenum format, int width_px, int height_px) {
   return texture;
 }
 
+Texture makeBufferTexture(GLenum format, const Buffer& buffer) {
+  GLuint name = 0;
+  glCreateTextures(GL_TEXTURE_BUFFER, 1, &name);
+  glTextureBuffer(name, format, buffer.name());
+  return Texture(name);
+}
+
 Framebuffer makeFramebuffer(const Texture& color, const Texture& depth) {
   GLuint name = 0;
   glCreateFramebuffers(1, &name);

@@ -67,6 +67,8 @@ Buffer makeBuffer(std::size_t size_bytes, const void* data, GLbitfield flags = 0
 std::size_t sizeInBytes(const Buffer& buffer);
 // One level, no filtering, clamped to the edge. `format` is sized: GL_RGBA32F.
 Texture makeTexture(GLenum format, int width_px, int height_px);
+// For texelFetch: many drivers read so what shaders scatter faster than as shader storage. `buffer` must outlive it.
+Texture makeBufferTexture(GLenum format, const Buffer& buffer);
 // Throws Error(kNotAvailable) if GL calls the combination incomplete. `depth` may own nothing.
 Framebuffer makeFramebuffer(const Texture& color, const Texture& depth);
 // The same with one layer of an array texture.

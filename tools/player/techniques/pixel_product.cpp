@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <map>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
+#include "formats/error.h"
 #include "tools/player/gl/gl_context.h"
 #include "tools/player/gl/gpu_table.h"
 
@@ -13,7 +15,8 @@ namespace {
 
 constexpr std::uint32_t kMostGroups = 65535;  // that GL dispatches at once, at least
 constexpr std::uint32_t kNoRow = ~std::uint32_t{0};
-constexpr std::size_t kEntryBytes = sizeof(formats::Float3);
+constexpr GLbitfield kTableBarriers = GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT;
+constexpr std::size_t kEntryBytes = sizeof(formats::Float4);
 
 Buffer bufferOf(const std::vector<std::uint32_t>& values) {
   return makeBuffer(values.size() * sizeof(values[0]), values.empty() ? nullptr : values.data());
@@ -197,22 +200,30 @@ SumProduct::SumProduct(const formats::SumGrammar& grammar, std::size_t most_byte
     : leaves_program_(makeComputeProgram({kPixelLeavesComp})),
       sums_program_(makeComputeProgram({kPixelSumsComp})),
       rows_program_(makeComputeProgram({kPixelRowsComp})) {
+  GLint most_texels = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most_texels);
+  const std::size_t most_table = std::min(most_bytes / kEntryBytes, static_cast<std::size_t>(most_texels));
   std::size_t most_entries = 1;
   for (std::size_t tile = 0; tile < grammar.tileCount();) {
     const std::size_t first = tile;
     std::size_t entries = 1;
     do entries += PartMaker::entriesOf(grammar, tile++);
-    while (tile < grammar.tileCount() &&
-           (entries + PartMaker::entriesOf(grammar, tile)) * kEntryBytes <= most_bytes);
+    while (tile < grammar.tileCount() && entries + PartMaker::entriesOf(grammar, tile) <= most_table);
     parts_.push_back(PartMaker(grammar, first, tile, most_bytes).make(entries));
     most_entries = std::max(most_entries, entries);
   }
-  const std::vector<formats::Float3> zeros(most_entries, formats::Float3{0, 0, 0});
+  if (most_entries > static_cast<std::size_t>(most_texels))
+    throw badInput({"", "pixel transfer", ""}, "a tile has " + std::to_string(most_entries) + " sums",
+                   "at most " + std::to_string(most_texels) + " on this GPU",
+                   "fewer rows_per_tile in bicluster");
+  const std::vector<formats::Float4> zeros(most_entries, formats::Float4{0, 0, 0, 0});
   table_ = makeBuffer(most_entries * kEntryBytes, zeros.data());
+  table_texels_ = makeBufferTexture(GL_RGBA32F, table_);
 }
 
 void SumProduct::run(const Buffer& light, const Buffer& incident) const {
   bind(0, light), bind(1, table_), bind(2, incident);
+  glBindTextureUnit(0, table_texels_.name());
   for (const Part& part : parts_) {
     glUseProgram(leaves_program_.name());
     bind(3, part.leaves);
@@ -221,20 +232,20 @@ void SumProduct::run(const Buffer& light, const Buffer& incident) const {
     glUseProgram(sums_program_.name());
     bind(3, part.sums);
     for (const Level& level : part.levels) {
-      glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+      glMemoryBarrier(kTableBarriers);
       glUniform1ui(0, level.first);
       glUniform1ui(1, level.count);
       glUniform1ui(2, level.first - part.leaf_count - 1);
       dispatchItems(level.count);
     }
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    glMemoryBarrier(kTableBarriers);
     glUseProgram(rows_program_.name());
     for (const Slices& slices : part.slices) {
       bind(3, slices.begins), bind(4, slices.terms), bind(5, slices.places);
       dispatchItems(slices.count * kGroupSize);
     }
     // The next part's leaves take this one's place in the table.
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    glMemoryBarrier(kTableBarriers);
   }
 }
 

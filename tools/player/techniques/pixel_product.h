@@ -75,7 +75,8 @@ class SumProduct final : public PixelProduct {
   class PartMaker;
 
   std::vector<Part> parts_;
-  Buffer table_;  // RGB an entry; the first is 0
+  Buffer table_;  // RGB and 0 an entry; the first is 0
+  Texture table_texels_;
   Program leaves_program_, sums_program_, rows_program_;
 };
 

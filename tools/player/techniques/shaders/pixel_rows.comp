@@ -2,7 +2,7 @@
 // rows have as many terms as its longest, the others' last being entry 0, which is 0.
 layout(local_size_x = 64) in;
 
-layout(std430, binding = 1) readonly buffer Table { float table[]; };         // entries × RGB
+layout(binding = 0) uniform samplerBuffer entries;  // RGB, 0
 layout(std430, binding = 2) writeonly buffer Incident { float incident[]; };  // rows × RGB
 layout(std430, binding = 3) readonly buffer Begins { uint begins[]; };        // of work groups' terms; one more
 layout(std430, binding = 4) readonly buffer Terms { uint terms[]; };          // a group's first ones, its second ones, …
@@ -12,8 +12,7 @@ void main() {
   uint end = begins[gl_WorkGroupID.x + 1u];
   vec3 sum = vec3(0.0);
   for (uint t = begins[gl_WorkGroupID.x] + gl_LocalInvocationID.x; t < end; t += 64u) {
-    uint at = 3u * terms[t];
-    sum += vec3(table[at], table[at + 1u], table[at + 2u]);
+    sum += texelFetch(entries, int(terms[t])).rgb;
   }
   uint place = places[gl_GlobalInvocationID.x];
   if (place == ~0u) return;
