@@ -38,6 +38,7 @@ struct Asset {
   bool keep_all = false;                                 // nothing is left out by a measured figure
   std::set<std::string> kept = {};                       // stages of which nothing is, of the recipe
   formats::Json report = formats::Json::object();        // what is varied and shown: see pipeline/sweep.h
+  bool report_with_run = false;                          // of it: a run ends with its sweep
   std::map<std::string, std::filesystem::path> report_lights = {};  // of it, by name; all exist
   std::vector<Setting> settings = {};  // of a variant; stronger than everything else
   formats::Json budget = {};           // see pipeline/budget.h; null: none

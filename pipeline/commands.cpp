@@ -123,6 +123,17 @@ void tellFront(const formats::Json& report, const fs::path& folder) {
   std::cout << "  " << (folder / "report.html").string() << '\n';
 }
 
+// The report of the asset's variants; false if that was interrupted.
+bool measure(Workplace& workplace, const Request& request, const Asset& asset,
+             const std::vector<std::string>& vary) {
+  SweepOptions options{.vary = vary};
+  for (const std::string& text : request.settings) options.settings.push_back(parseSetting(text));
+  const std::optional<formats::Json> report = measureVariants(workplace, request, asset, options, false);
+  workplace.memo.save();
+  if (report) tellFront(*report, request.out / asset.name);
+  return report.has_value();
+}
+
 // Makes what the assets deliver, then `finish`, which returns the exit status.
 int runAssets(const Request& request,
               const std::function<int(const Graph&, const BuildResult&, Workplace&)>& finish) {
@@ -142,8 +153,13 @@ int runAssets(const Request& request,
 
 int runCommand(const Request& request) {
   if (request.dry_run) return dryRun(request);
-  return runAssets(request,
-                   [](const Graph&, const BuildResult& result, Workplace&) { return result.exitStatus(); });
+  return runAssets(request, [&](const Graph& graph, const BuildResult& result, Workplace& workplace) {
+    if (const int status = result.exitStatus(); status != 0) return status;
+    for (const Asset& asset : graph.assets)
+      if (asset.report_with_run && !measure(workplace, request, asset, {}))
+        return static_cast<int>(ExitStatus::kInterrupted);
+    return 0;
+  });
 }
 
 int saveBaselineCommand(const Request& request) {
@@ -180,17 +196,11 @@ int graphCommand(const Request& request) {
 int sweepCommand(const Request& request) {
   Workplace workplace(request);
   const std::vector<Asset> assets = checkedAssets(request, workplace);
-  SweepOptions options{.vary = request.vary};
-  for (const std::string& text : request.settings) options.settings.push_back(parseSetting(text));
   FolderLock lock(cacheFolder(request));
   if (!waitFor(lock, workplace.runner, request.out)) return static_cast<int>(ExitStatus::kInterrupted);
   workplace.cache.removeTemporaries();
-  for (const Asset& asset : assets) {
-    const std::optional<formats::Json> report = measureVariants(workplace, request, asset, options, false);
-    workplace.memo.save();
-    if (!report) return static_cast<int>(ExitStatus::kInterrupted);
-    tellFront(*report, request.out / asset.name);
-  }
+  for (const Asset& asset : assets)
+    if (!measure(workplace, request, asset, request.vary)) return static_cast<int>(ExitStatus::kInterrupted);
   return 0;
 }
 

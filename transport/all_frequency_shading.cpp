@@ -170,6 +170,23 @@ void AllFrequencyShading::incidentFromSums(std::size_t block, std::span<Float3> 
   }
 }
 
+// `falling_on(v)`: radiance × solid angle on each cell of vertex v.
+template <class FallingOn>
+void AllFrequencyShading::project(FallingOn falling_on) {
+  for (std::size_t a = 0; a < ranges_.size(); ++a)
+    tbb::parallel_for(ranges_[a].first, ranges_[a].end, [&](std::size_t v) {
+      const std::vector<Float3> falling = falling_on(v);
+      const Patch& patch = *patches_[a];
+      for (std::size_t k = 0; k < patch.lookup.components(); ++k)
+        for (std::size_t c = 0; c < 3; ++c) {
+          const float* basis = &patch.basis[(3 * k + c) * cells_];
+          double product = 0;
+          for (std::size_t j = 0; j < cells_; ++j) product += double{basis[j]} * falling[j][c];
+          projected_[v * components_ + k][c] = static_cast<float>(product) * vertex_albedo_[v][c];
+        }
+    });
+}
+
 void AllFrequencyShading::setCubeLight(std::span<const Float3> radiance) {
   const std::size_t texels = 6 * static_cast<std::size_t>(cube_side_) * cube_side_;
   if (radiance.size() != texels)
@@ -182,18 +199,21 @@ void AllFrequencyShading::setCubeLight(std::span<const Float3> radiance) {
   } else {
     light_ = texelLight(radiance, cube_side_, subsamples_);
   }
-  for (std::size_t a = 0; a < ranges_.size(); ++a)
-    tbb::parallel_for(ranges_[a].first, ranges_[a].end, [&](std::size_t v) {
-      const std::vector<Float3> falling = incident(v);
-      const Patch& patch = *patches_[a];
-      for (std::size_t k = 0; k < patch.lookup.components(); ++k)
-        for (std::size_t c = 0; c < 3; ++c) {
-          const float* basis = &patch.basis[(3 * k + c) * cells_];
-          double product = 0;
-          for (std::size_t j = 0; j < cells_; ++j) product += double{basis[j]} * falling[j][c];
-          projected_[v * components_ + k][c] = static_cast<float>(product) * vertex_albedo_[v][c];
-        }
-    });
+  project([&](std::size_t v) { return incident(v); });
+}
+
+void AllFrequencyShading::setIncident(std::span<const Radiance4> rows) {
+  const std::size_t count = sums_ != nullptr ? value_places_.size() : rows_->view().rowCount();
+  if (rows.size() != count)
+    throw std::invalid_argument("incident light has another number of rows than the pack's transfer");
+  project([&](std::size_t v) {
+    std::vector<Float3> falling(cells_);
+    for (std::size_t j = 0; j < cells_; ++j) {
+      const Radiance4& row = rows[blocks_[v] * cells_ + j];
+      falling[j] = {row[0], row[1], row[2]};
+    }
+    return falling;
+  });
 }
 
 std::array<float, 3> AllFrequencyShading::frameWeights(const SurfaceHit& hit) const {

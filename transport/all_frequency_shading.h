@@ -44,6 +44,9 @@ class AllFrequencyShading final : public PackShading {
   void setLight(std::span<const Float3> distant, std::span<const Float3> near) override;
   // L* at each vertex, and its products with the BTFs' bases. On all TBB threads.
   void setCubeLight(std::span<const Float3> radiance) override;
+  // The same from L* that was worked out elsewhere: of each row of the transfer, radiance × solid angle that falls on its cell. What `incident`
+  // says does not change. Throws std::invalid_argument for another number of rows.
+  void setIncident(std::span<const Radiance4> rows);
   void setView(const ViewPoint& view) override { view_ = view; }
   void radianceAt(std::span<const SurfaceHit> hits, std::span<Float3> radiance) const override;
 
@@ -53,6 +56,8 @@ class AllFrequencyShading final : public PackShading {
  private:
   struct Patch;
 
+  template <class FallingOn>
+  void project(FallingOn falling_on);
   void incidentFromRows(std::size_t block, std::span<Float3> cells) const;
   void incidentFromSums(std::size_t block, std::span<Float3> cells) const;
   Float3 radianceAt(const SurfaceHit& hit) const;

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "formats/error.h"
+#include "tools/report/storage.h"
 #include "transport/color.h"
 
 namespace bakelight::report {
@@ -102,7 +103,7 @@ Evaluator::Evaluator(const Plan& plan, const Sources& sources)
   }
 }
 
-Evaluation Evaluator::evaluate(int rounds, const std::function<void()>& advanced) {
+Evaluation Evaluator::evaluate(int rounds, const std::function<void()>& advanced, bool storage) {
   Evaluation evaluation;
   for (const Reference& reference : truth_) evaluation.noise.push_back(relativeNoise(reference));
   for (const PlanVariant& variant : plan_.variants) {
@@ -118,6 +119,7 @@ Evaluation Evaluator::evaluate(int rounds, const std::function<void()>& advanced
     advanced();
   }
   measureTimes(rounds, evaluation, advanced);
+  if (storage) measureStorage(evaluation, advanced);
   const auto& variants = evaluation.variants;
   evaluation.fronts.frame_ms = frontOf(variants, [](const VariantFigures& v) { return v.frame_ms(); });
   evaluation.fronts.bytes =
@@ -198,6 +200,15 @@ double Evaluator::flip(const Picture& picture, std::size_t view, std::size_t& pi
   return pixels > 0 ? sum / static_cast<double>(pixels) : 0;
 }
 
+void Evaluator::measureStorage(Evaluation& evaluation, const std::function<void()>& advanced) {
+  for (const PlanVariant& variant : plan_.variants) {
+    const formats::Pack pack = sources_.pack(variant.pack.path);
+    if (!hasStorage(pack)) continue;
+    evaluation.storage = report::measureStorage(pack, plan_, *renderer_, truth_, advanced);
+    return;
+  }
+}
+
 // Every round turns the light and moves the eye, as a player's user does.
 void Evaluator::measureTimes(int rounds, Evaluation& evaluation, const std::function<void()>& advanced) {
   std::vector<VariantFigures>& variants = evaluation.variants;
@@ -217,7 +228,9 @@ void Evaluator::measureTimes(int rounds, Evaluation& evaluation, const std::func
     measurements.push_back([candidate = candidates.back().get()](int round) {
       const Eigen::Matrix3d turn =
           Eigen::AngleAxisd(round * std::numbers::pi / 180, Vec3::UnitY()).toRotationMatrix();
-      const Renderer::Conditions& conditions = candidate->conditions;
+      Renderer::Conditions& conditions = candidate->conditions;
+      // Lights are drawn into a cube map before the clock starts: they are the same for all who take one.
+      if (conditions.cube_of) conditions.cube = conditions.turnedCube(turn);
       const double light_change_ms = millisecondsOf([&] { conditions.light(*candidate->shading, turn); });
       const double view_change_ms =
           millisecondsOf([&] { candidate->shading->setView(Vec3(turn * conditions.eye)); });

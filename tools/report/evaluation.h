@@ -46,10 +46,27 @@ struct Fronts {
   std::vector<std::size_t> frame_ms, bytes, bake_s;
 };
 
+// A way to store a transfer matrix in a pixel basis.
+struct StorageMethod {
+  std::string name, parameters;
+  double share = 0;  // of the exact sums' bytes, that it was given; 0: as many as it takes
+  std::uint64_t bytes = 0, operations = 0;
+  Spread product_ms;
+  std::vector<double> incident_errors;  // a view: relative RMS of L* over all rows, from exact rows
+  std::vector<double> picture_errors;   // a view: relative RMSE of the picture, from the reference
+};
+
+struct StorageFigures {
+  std::uint64_t rows = 0, entries = 0, dense_bytes = 0;
+  std::vector<StorageMethod> methods;
+};
+
 struct Evaluation {
   std::vector<double> noise;             // a view: standard error of the reference, relative to its rms
   std::vector<VariantFigures> variants;  // as in the plan
   Fronts fronts;
+  std::optional<StorageFigures>
+      storage;  // of the first variant whose transfer is in a pixel basis, and exact
 };
 
 // Holds the references of the plan and makes pictures to compare with them. Plan and sources must outlive it.
@@ -59,10 +76,10 @@ class Evaluator {
   // where its camera stood ("bakelight:eye", "bakelight:target", "bakelight:fov_deg").
   Evaluator(const Plan& plan, const Sources& sources);
 
-  // Times are the medians of `rounds` ≥ 1. `advanced` is called after each variant's errors, and after each
+  // Times are the medians of `rounds` ≥ 1; `storage`: whether ways to store a matrix in a pixel basis are compared. `advanced` is called after each variant's errors, and after each
   // variant's times. Throws Error(kBadInput) naming the pack that shares no wholly covered pixel with a
   // reference.
-  Evaluation evaluate(int rounds, const std::function<void()>& advanced);
+  Evaluation evaluate(int rounds, const std::function<void()>& advanced, bool storage = true);
 
   using Pictures = std::vector<Reference>;  // a view
   std::shared_ptr<const Pictures> picturesOf(const PlanFile& pack);
@@ -74,6 +91,7 @@ class Evaluator {
   void measureErrors(const PlanVariant& variant, VariantFigures& figures);
   void measureCauses(const PlanVariant& variant, VariantFigures& figures);
   double flip(const Picture& picture, std::size_t view, std::size_t& pixels) const;
+  void measureStorage(Evaluation& evaluation, const std::function<void()>& advanced);
   void measureTimes(int rounds, Evaluation& evaluation, const std::function<void()>& advanced);
 
   const Plan& plan_;

@@ -237,6 +237,43 @@ std::string variantsTable(const Plan& plan, const Evaluation& evaluation) {
   return html + kTableEnd;
 }
 
+std::string storageTable(const Plan& plan, const Evaluation& evaluation) {
+  if (!evaluation.storage) return "";
+  const StorageFigures& storage = *evaluation.storage;
+  std::vector<Heading> headings = {{"method", "", true},
+                                   {"bytes", "% of dense"},
+                                   {"operations", "% of rows’"},
+                                   {"product", "CPU, ms"},
+                                   {"L*", "rms over lights, %"}};
+  for (const PlanView& view : plan.views) headings.push_back({view.name, "picture, %"});
+  std::string html =
+      "<h2>Storage of the transfer matrix</h2>\n<p>Ways to store the same matrix at about the bytes of its "
+      "exact sums, and at "
+      "shares of them; their tables are coded by the same entropy coder. L*: relative RMS of the light that "
+      "falls on "
+      "the cells, from that of exact rows. Pictures: relative RMSE from the reference; what exact sums have "
+      "there "
+      "is not storage’s.</p>\n" +
+      tableBegin(headings);
+  for (const StorageMethod& method : storage.methods) {
+    html +=
+        "<tr>" +
+        cell(escaped(spaced(method.name)) + "<span class=\"range\">" + escaped(method.parameters) +
+             "</span>") +
+        cell(
+            bytesText(method.bytes) + "<span class=\"range\">" +
+            numberText(100.0 * static_cast<double>(method.bytes) / static_cast<double>(storage.dense_bytes)) +
+            "</span>") +
+        cell(numberText(50.0 * static_cast<double>(method.operations) /
+                        static_cast<double>(std::max<std::uint64_t>(storage.entries, 1)))) +
+        cell(numberText(method.product_ms.median) + range(method.product_ms.low, method.product_ms.high)) +
+        cell(hundredfoldText(rootMeanSquare(method.incident_errors)));
+    for (const double error : method.picture_errors) html += cell(hundredfoldText(error));
+    html += "</tr>\n";
+  }
+  return html + kTableEnd;
+}
+
 std::string leftOutTable(const Plan& plan, const Evaluation& evaluation, const Varied& varied) {
   struct Row {
     LeftOut left_out;

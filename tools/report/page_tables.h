@@ -11,6 +11,8 @@ namespace bakelight::report {
 
 std::string causesTable(const Plan& plan, const Evaluation& evaluation);
 std::string variantsTable(const Plan& plan, const Evaluation& evaluation);
+// Ways to store a transfer matrix in a pixel basis.
+std::string storageTable(const Plan& plan, const Evaluation& evaluation);
 std::string leftOutTable(const Plan& plan, const Evaluation& evaluation, const Varied& varied);
 std::string stagesTable(const Plan& plan, const Varied& varied);
 std::string failedTable(const Plan& plan);

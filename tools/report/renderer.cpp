@@ -19,12 +19,19 @@ Renderer::Conditions Renderer::conditions(const formats::TriangleMesh& mesh,
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(frame);
   const transport::OrbitCamera& camera = cameras_[view];
   const Eigen::Matrix3d object_from_light = world_from_object.transpose() * transport::worldFromLight(frame);
-  std::vector<transport::Float3> cube;
-  if (needs.cube_side > 0)
-    cube = transport::cubeLightOn(mesh, needs, light, object_from_light, world_from_object, frame.time_s);
-  return {light.distant, object_from_light,
-          transport::nearLight(mesh, needs, light, frame.time_s, world_from_object), std::move(cube),
-          world_from_object.transpose() * (camera.eye() - camera.target) + camera.target};
+  Conditions conditions{light.distant,
+                        object_from_light,
+                        transport::nearLight(mesh, needs, light, frame.time_s, world_from_object),
+                        {},
+                        world_from_object.transpose() * (camera.eye() - camera.target) + camera.target};
+  if (needs.cube_side == 0) return conditions;
+  const auto own_mesh = std::make_shared<const formats::TriangleMesh>(mesh);
+  conditions.cube_of = [=, &light, time_s = frame.time_s](const Eigen::Matrix3d& turn) {
+    return transport::cubeLightOn(*own_mesh, needs, light, object_from_light * turn, world_from_object,
+                                  time_s);
+  };
+  conditions.cube = conditions.cube_of(Eigen::Matrix3d::Identity());
+  return conditions;
 }
 
 void Renderer::Conditions::light(transport::PackShading& shading, const Eigen::Matrix3d& turn) const {
@@ -33,14 +40,14 @@ void Renderer::Conditions::light(transport::PackShading& shading, const Eigen::M
   shading.setLight(transport::ShRotation(needs.sh_order, object_from_light * turn).apply(distant), near);
 }
 
-std::vector<Picture> Renderer::picturesOf(const formats::Pack& pack) {
+std::vector<Picture> Renderer::picturesOf(const formats::Pack& pack, const LightUp& light) {
   const std::unique_ptr<transport::PackShading> shading = transport::makePackShading(pack);
   const transport::LightNeeds needs = shading->needs();
   const transport::BoundingSphere bounds = transport::boundingSphere(pack.mesh);
   std::vector<Picture> pictures;
   for (std::size_t view = 0; view < plan_.views.size(); ++view) {
     const Conditions conditions = this->conditions(pack.mesh, needs, view);
-    conditions.light(*shading);
+    light ? light(view, conditions, *shading) : conditions.light(*shading);
     shading->setView({conditions.eye, cameras_[view].pixelAngle(plan_.views[view].frame.height_px *
                                                                 plan_.views[view].frame.supersampling)});
     const transport::EmitterMesh emitters =

@@ -1,6 +1,7 @@
 // Pictures of packs in the views of a plan, as the player shows them, on the CPU.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -29,15 +30,20 @@ class Renderer {
     std::vector<transport::Float3> cube;  // all light in the object's frame, where a cube map is needed
     transport::Vec3 eye;                  // in the object's space
 
-    // `turn` turns the light first; not of a cube map, which stays as it is.
+    // `turn` turns the light first; not of a cube map, which stays as it is: see turnedCube.
     void light(transport::PackShading& shading,
                const Eigen::Matrix3d& turn = Eigen::Matrix3d::Identity()) const;
+    // The cube map of light that was turned first. Slow, as lights are drawn into it again.
+    std::vector<transport::Float3> turnedCube(const Eigen::Matrix3d& turn) const { return cube_of(turn); }
+    std::function<std::vector<transport::Float3>(const Eigen::Matrix3d&)> cube_of = {};
   };
   Conditions conditions(const formats::TriangleMesh& mesh, const transport::LightNeeds& needs,
                         std::size_t view);
 
-  // One picture a view. Meshes and lights that were seen before are not traced or projected again.
-  std::vector<Picture> picturesOf(const formats::Pack& pack);
+  // One picture a view. Meshes and lights that were seen before are not traced or projected again. `light`, if any, is what lights
+  // the pack instead of Conditions::light.
+  using LightUp = std::function<void(std::size_t view, const Conditions&, transport::PackShading&)>;
+  std::vector<Picture> picturesOf(const formats::Pack& pack, const LightUp& light = {});
 
   // The player's factor on radiance in that view (transport::exposureFactor).
   double exposure(const formats::TriangleMesh& mesh, const transport::LightNeeds& needs, std::size_t view);

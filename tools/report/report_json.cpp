@@ -92,6 +92,30 @@ Json leftOutOfAll(const Json& variants) {
   return all;
 }
 
+Json storageOf(const Plan& plan, const StorageFigures& storage) {
+  Json json = {{"rows", storage.rows},
+               {"entries", storage.entries},
+               {"dense_bytes", storage.dense_bytes},
+               {"methods", Json::array()}};
+  const auto byView = [&](const std::vector<double>& errors) {
+    Json views = Json::object();
+    for (std::size_t view = 0; view < plan.views.size(); ++view) views[plan.views[view].name] = errors[view];
+    return views;
+  };
+  for (const StorageMethod& method : storage.methods)
+    json["methods"].push_back({{"name", method.name},
+                               {"parameters", method.parameters},
+                               {"share", method.share},
+                               {"bytes", method.bytes},
+                               {"operations", method.operations},
+                               {"product_ms", jsonOf(method.product_ms)},
+                               {"incident_error", rootMeanSquare(method.incident_errors)},
+                               {"incident_errors", byView(method.incident_errors)},
+                               {"picture_error", rootMeanSquare(method.picture_errors)},
+                               {"picture_errors", byView(method.picture_errors)}});
+  return json;
+}
+
 Json namesOf(const std::vector<std::size_t>& front, const Plan& plan) {
   Json names = Json::array();
   for (const std::size_t variant : front) names.push_back(plan.variants[variant].name);
@@ -117,6 +141,7 @@ Json reportJson(const Plan& plan, const Evaluation& evaluation) {
                     {"bytes", namesOf(evaluation.fronts.bytes, plan)},
                     {"bake_s", namesOf(evaluation.fronts.bake_s, plan)}};
   json["pareto"] = json["fronts"]["frame_ms"];
+  if (evaluation.storage) json["storage"] = storageOf(plan, *evaluation.storage);
   for (const FailedVariant& failed : plan.failed)
     json["failed"].push_back({{"name", failed.name}, {"stage", failed.stage}, {"reason", failed.reason}});
   return json;

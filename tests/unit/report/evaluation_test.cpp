@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "formats/error.h"
 #include "tests/e2e/made_packs.h"
+#include "tests/support/made_pixel_pack.h"
 #include "tests/unit/report/made_report.h"
 #include "tools/report/report_json.h"
 
@@ -125,6 +127,70 @@ TEST(Evaluation, LeftOutHasItsMeasuredError) {
   EXPECT_EQ(left_out["measured_error"], report["variants"][0]["causes"][1]["rel_rmse"]);
   ASSERT_EQ(report["left_out"].size(), 1u) << "the same omission of two variants";
   EXPECT_EQ(report["left_out"][0]["variants"], Json({"three", "again"}));
+}
+
+// Of the first exact matrix in a pixel basis: exact ways have no error, the others some, and all are in the JSON.
+TEST(Evaluation, ComparesWaysToStoreAMatrix) {
+  formats::Pack pack = tests::madePixelPack(tests::spherePack(1, 12).mesh);
+  pack.transfer = tests::madePixelTransfer(pack.mesh, 8);
+  MadeReport made(pack);
+  made.addVariant("pixels", Json::object(), pack);
+  const Plan plan = made.plan();
+  const Evaluation evaluation = evaluate(made);
+  ASSERT_TRUE(evaluation.storage);
+  const StorageFigures& storage = *evaluation.storage;
+  EXPECT_EQ(storage.rows, 16 * pack.mesh.vertexCount());
+  std::map<std::string, int> names;
+  for (const StorageMethod& method : storage.methods) {
+    ++names[method.name];
+    ASSERT_EQ(method.incident_errors.size(), 2u);
+    ASSERT_EQ(method.picture_errors.size(), 2u);
+    EXPECT_GT(method.bytes, 0u);
+    EXPECT_GT(method.operations, 0u);
+    const bool exact = method.name == "rows" || method.name == "sums";
+    for (std::size_t view = 0; view < 2; ++view) {
+      if (exact) {
+        EXPECT_LT(method.incident_errors[view], 1e-5) << method.name;
+        EXPECT_LT(method.picture_errors[view], 0.01) << method.name << ": noise";
+      } else {
+        EXPECT_GT(method.incident_errors[view], 1e-4) << method.name;
+      }
+    }
+  }
+  EXPECT_EQ(names["rows"], 1);
+  EXPECT_EQ(names["sums"], 1);
+  EXPECT_GE(names["haar"], 1);
+  EXPECT_GE(names["wavelets4d"], 1);
+  EXPECT_GE(names["sums_within"] + names["cpca"], 1);
+  const Json json = reportJson(plan, evaluation);
+  ASSERT_EQ(json["storage"]["methods"].size(), storage.methods.size());
+  EXPECT_EQ(json["storage"]["methods"][0]["name"], "rows");
+  EXPECT_TRUE(json["storage"]["methods"][0]["picture_errors"].contains(plan.views[0].name));
+  const Sources sources = made.sources();
+  EXPECT_FALSE(Evaluator(plan, sources)
+                   .evaluate(
+                       1, [] {}, false)
+                   .storage);
+}
+
+// The light that a round turns reaches a cube map, too.
+TEST(Renderer, TurnsTheCubeMapOfLight) {
+  const formats::Pack pack = tests::madePixelPack(tests::spherePack(1, 12).mesh);
+  MadeReport made(pack);
+  made.addVariant("pixels", Json::object(), pack);
+  const Plan plan = made.plan();
+  const Sources sources = made.sources();
+  Renderer renderer(plan, {cameraFrom({0, 0, 4}, {0, 0, 0}, 40), cameraFrom({0, 0, 4}, {0, 0, 0}, 40)},
+                    sources);
+  transport::LightNeeds needs{1};
+  needs.cube_side = 8;
+  const Renderer::Conditions conditions = renderer.conditions(pack.mesh, needs, 0);
+  EXPECT_EQ(conditions.turnedCube(Eigen::Matrix3d::Identity()), conditions.cube);
+  const auto turned = conditions.turnedCube(
+      Eigen::AngleAxisd(std::numbers::pi / 2, transport::Vec3::UnitY()).toRotationMatrix());
+  EXPECT_NE(turned, conditions.cube);
+  needs.cube_side = 0;
+  EXPECT_FALSE(renderer.conditions(pack.mesh, needs, 0).cube_of);
 }
 
 // Without the times of the machine, and with what the plan said.

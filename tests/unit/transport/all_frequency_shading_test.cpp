@@ -156,6 +156,29 @@ TEST(AllFrequencyShading, IncidentIsRadianceTimesSolidAngle) {
   EXPECT_NEAR(sum, 2 * kPi, 0.01 * 2 * kPi);
 }
 
+// What another method made of the transfer takes the place of its own.
+TEST(AllFrequencyShading, TakesIncidentLightFromElsewhere) {
+  const Pack pack = ballPack(madeBtf(kLocal, 4, 8, 8, 6));
+  const formats::PixelTransferRows rows(*pack.transfer.as<formats::PixelTransfer>());
+  AllFrequencyShading shading(pack);
+  const std::vector<Float3> expected = shade(shading, someCube(), pack.mesh);
+  const std::vector<Float3> light = texelLight(someCube(), kSide, 1);
+  std::vector<Radiance4> energies, incident(rows.view().rowCount());
+  for (const Float3& texel : light) energies.emplace_back(texel[0], texel[1], texel[2], 0);
+  multiply(rows.view(), energies, incident);
+  AllFrequencyShading other(pack);
+  other.setIncident(incident);
+  other.setView({Vec3(0.4, 3, 2), 0});
+  const std::vector<SurfaceHit> hits = someHits(pack.mesh);
+  std::vector<Float3> radiance(hits.size());
+  other.radianceAt(hits, radiance);
+  for (std::size_t i = 0; i < hits.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(radiance[i][c], expected[i][c], 1e-4 * (1 + expected[i][c]));
+  incident.pop_back();
+  EXPECT_THROW(other.setIncident(incident), std::invalid_argument);
+}
+
 // A sun of 1e6 over a sky, too: in relation to its own brightness.
 TEST(AllFrequencyShading, IsLinearInTheLight) {
   const Pack pack = ballPack(madeBtf(kLocal, 4, 8, 8, 6));

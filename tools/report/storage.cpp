@@ -1,0 +1,186 @@
+#include "tools/report/storage.h"
+
+#include <algorithm>
+#include <optional>
+#include <stdexcept>
+
+#include "compression/clustered_rows.h"
+#include "compression/errors.h"
+#include "compression/haar_rows.h"
+#include "compression/harmonics.h"
+#include "compression/wavelets_4d.h"
+#include "formats/sum_grammar_code.h"
+#include "tools/bicluster/bicluster.h"
+#include "tools/bicluster/tolerance.h"
+#include "tools/report/text.h"
+#include "transport/all_frequency_shading.h"
+#include "transport/morton.h"
+
+namespace bakelight::report {
+namespace {
+
+using compression::CompressedTransfer;
+using compression::Radiance4;
+
+constexpr int kOrder = 5;  // of harmonics, as the recipe biscale bakes
+constexpr int kProducts = 7;
+constexpr int kComponentsTried[] = {6, 12};
+
+const formats::PixelTransfer& transferOf(const formats::Pack& pack) {
+  const auto* transfer = pack.transfer.as<formats::PixelTransfer>();
+  if (transfer == nullptr) throw std::invalid_argument("the pack's transfer is not in a pixel basis");
+  return *transfer;
+}
+
+formats::PixelRows rowsOf(const formats::PixelTransfer& transfer) {
+  if (transfer.sums) return bicluster::decode(*transfer.sums->grammar);
+  const formats::PixelTransferRows rows(transfer);
+  const formats::PixelCodes codes = rows.view();
+  return {codes.cube_side,
+          codes.local_side,
+          codes.subsamples,
+          {codes.row_offsets.begin(), codes.row_offsets.end()},
+          {codes.columns.begin(), codes.columns.end()},
+          {codes.codes.begin(), codes.codes.end()}};
+}
+
+// Of blocks of rows, by the first vertex that has each.
+std::vector<std::uint32_t> orderOf(const formats::Pack& pack) {
+  const formats::PixelTransfer& transfer = transferOf(pack);
+  std::vector<formats::Float3> positions(transfer.blockCount());
+  std::vector<std::uint8_t> known(positions.size(), 0);
+  for (std::size_t v = 0; v < transfer.blocks.size(); ++v)
+    if (const std::uint32_t block = transfer.blocks[v]; known[block] == 0) {
+      positions[block] = pack.mesh.positions[v];
+      known[block] = 1;
+    }
+  return transport::mortonOrder(positions);
+}
+
+CompressedTransfer sumsOf(const formats::PixelCodes& codes) {
+  formats::SumGrammar grammar = bicluster::compress(codes);
+  const std::uint64_t bytes = formats::encodeSums(grammar).byteCount(),
+                      operations = bicluster::operationsOf(grammar).counted;
+  return compression::sharedSums(std::move(grammar), bytes, operations);
+}
+
+// The largest tolerance that is needed for the bytes, so the largest size within them.
+CompressedTransfer tolerantSums(std::uint64_t budget, const formats::PixelCodes& codes) {
+  constexpr double kUsualTolerance = 0.15;
+  std::optional<CompressedTransfer> best;
+  double best_tolerance = 1;
+  compression::solveForBytes(
+      [&](double tolerance) {
+        CompressedTransfer sums = sumsOf(bicluster::withinTolerance(codes, tolerance).rows.view());
+        const std::uint64_t bytes = sums.bytes;
+        if (bytes <= budget && (!best || bytes >= best->bytes))
+          best = std::move(sums), best_tolerance = tolerance;
+        return bytes;
+      },
+      budget, kUsualTolerance, 8);
+  best->name = "sums_within";
+  best->parameters = "tolerance " + numberText(best_tolerance, 2);
+  return std::move(*best);
+}
+
+class Measuring {
+ public:
+  Measuring(const formats::Pack& pack, const Plan& plan, Renderer& renderer,
+            const std::vector<Reference>& truth)
+      : pack_(pack), renderer_(renderer), truth_(truth), rows_(rowsOf(transferOf(pack))) {
+    const formats::PixelCodes codes = rows_.view();
+    const transport::LightNeeds needs = transport::makePackShading(pack)->needs();
+    for (std::size_t view = 0; view < plan.views.size(); ++view) {
+      energies_.push_back(
+          compression::texelEnergies(renderer.conditions(pack.mesh, needs, view).cube, codes.cube_side));
+      exact_.emplace_back(codes.rowCount());
+      transport::multiply(codes, energies_.back(), exact_.back());
+    }
+    figures_.rows = codes.rowCount();
+    figures_.entries = codes.columns.size();
+    figures_.dense_bytes = codes.rowCount() * codes.columnCount();
+  }
+
+  formats::PixelCodes codes() const { return rows_.view(); }
+
+  void add(double share, const CompressedTransfer& transfer) {
+    StorageMethod method{.name = transfer.name,
+                         .parameters = transfer.parameters,
+                         .share = share,
+                         .bytes = transfer.bytes,
+                         .operations = transfer.operations};
+    std::vector<double> times, errors;
+    std::vector<Radiance4> values(transfer.value_count);
+    for (int i = 0; i < kProducts; ++i)
+      times.push_back(millisecondsOf([&] { transfer.multiply(energies_.front(), values); }));
+    method.product_ms = spreadOf(times);
+    std::vector<std::vector<Radiance4>> incident;
+    for (std::size_t view = 0; view < energies_.size(); ++view) {
+      incident.push_back(transfer.incident(energies_[view]));
+      method.incident_errors.push_back(compression::relativeRms(incident.back(), exact_[view]));
+    }
+    const std::vector<Picture> pictures = renderer_.picturesOf(
+        pack_, [&](std::size_t view, const Renderer::Conditions&, transport::PackShading& shading) {
+          dynamic_cast<transport::AllFrequencyShading&>(shading).setIncident(incident[view]);
+        });
+    for (std::size_t view = 0; view < pictures.size(); ++view)
+      method.picture_errors.push_back(
+          viewErrors(truth_[view], {pictures[view], {}}, truth_[view].picture).relativeRmse());
+    figures_.methods.push_back(std::move(method));
+  }
+
+  StorageFigures figures() { return std::move(figures_); }
+
+ private:
+  const formats::Pack& pack_;
+  Renderer& renderer_;
+  const std::vector<Reference>& truth_;
+  formats::PixelRows rows_;
+  std::vector<std::vector<Radiance4>> energies_, exact_;  // a view
+  StorageFigures figures_;
+};
+
+}  // namespace
+
+bool hasStorage(const formats::Pack& pack) {
+  const auto* transfer = pack.transfer.as<formats::PixelTransfer>();
+  return transfer != nullptr && !transfer->changes && transport::AllFrequencyShading::shades(pack);
+}
+
+StorageFigures measureStorage(const formats::Pack& pack, const Plan& plan, Renderer& renderer,
+                              const std::vector<Reference>& truth, const std::function<void()>& advanced) {
+  Measuring measuring(pack, plan, renderer, truth);
+  const formats::PixelCodes codes = measuring.codes();
+  const auto add = [&](double share, const CompressedTransfer& transfer) {
+    measuring.add(share, transfer);
+    advanced();
+  };
+  add(0, compression::plainRows(codes));
+  const CompressedTransfer sums = sumsOf(codes);
+  add(1, sums);
+  compression::WaveletRows haar;
+  const bool has_haar = compression::hasHaar(codes.cube_side);
+  if (has_haar) haar = compression::haarRows(codes);
+  const std::vector<std::uint32_t> order = orderOf(pack);
+  for (const double share : kStorageShares) {
+    const auto budget = static_cast<std::uint64_t>(share * static_cast<double>(sums.bytes));
+    // A method that has no such small size is left out.
+    const auto attempt = [&](const std::function<CompressedTransfer()>& make) {
+      try {
+        add(share, make());
+      } catch (const std::invalid_argument&) {
+        advanced();
+      }
+    };
+    if (share < 1) attempt([&] { return tolerantSums(budget, codes); });
+    attempt([&] { return compression::clusteredWithin(budget, codes, kComponentsTried); });
+    if (has_haar) {
+      attempt([&] { return compression::haarWithin(budget, haar, compression::Selection::kAreaWeighted); });
+      attempt([&] { return compression::wavelets4dWithin(budget, haar, codes.local_side, order); });
+    }
+    attempt([&] { return compression::harmonicsWithin(budget, codes, kOrder); });
+  }
+  return measuring.figures();
+}
+
+}  // namespace bakelight::report
