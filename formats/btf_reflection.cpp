@@ -10,6 +10,7 @@ void BtfReflection::describe(FieldVisitor& fields) {
   fields.constant("albedo", "inside");
   fields.integer("lights", lights, {1, kMostLocalSide});
   fields.number("error", error, {.least = 0});
+  fields.number("storageRatio", storage_ratio, {.least = 0});
   describePatch(fields, cells(), kMostComponents);
 }
 

@@ -16,8 +16,9 @@ struct BtfReflection : FactoredPatch {
   void describe(FieldVisitor& fields);
 
   int lights = 8;  // a side of the grid of cells: the transfer's local_side
-  float error =
-      0;  // relative RMS that components and precision leave, over all views, lights, texels and colors
+  // Relative RMS that components, code and precision leave at the finest level, over all views, lights, texels and colors; and all these
+  // values as half floats ÷ the bytes of code, basis and heights.
+  float error = 0, storage_ratio = 0;
 
   std::size_t cells() const { return static_cast<std::size_t>(lights) * lights; }
   // cells of red, of green, of blue

@@ -23,6 +23,18 @@ struct RttLevel {
 std::vector<RttLevel> rttLevels(int width, int height);
 std::size_t rttTexelCount(const std::vector<RttLevel>& levels);  // of all
 
+// What a pack stores in place of factors and heights (formats/patch_code.h).
+struct PatchCode {
+  float step = 0;                             // between levels of coefficients
+  Precision precision = Precision::kFloat16;  // of the factors that are made of it
+  IntegerArray factors{1, {}};
+  struct Relief {
+    float step = 0;
+    IntegerArray heights{1, {}};
+  };
+  std::optional<Relief> relief;
+};
+
 // Radiance of place q towards view v = Σ_k factors_k(q, v) · Σ_i basis_k,i · incident_i, of each color: by principal components, so that
 // the sums over i are taken at vertices and interpolated. Albedo and cosines are inside.
 struct FactoredPatch {
@@ -37,6 +49,8 @@ struct FactoredPatch {
   // Heights of what is seen, above the mid-plane in widths of the patch, one for each row of factors: views are then looked up
   // along the relief (transport/patch_lookup.h) instead of all at one place. Nothing for what is flat, or not known.
   std::optional<EncodedTable> heights;
+  // If there, the pack stores it in place of both, which are made of it when the pack is opened.
+  std::optional<PatchCode> code;
 
   // Where in the patch the surface is. Channels "U", "V" by texture coordinates, 0–1, u to the right, v upwards: looked
   // up, never filtered. The index of an appearance serves those after it that have none.

@@ -2,9 +2,12 @@
 
 #include <stdexcept>
 
+#include "formats/btf_reflection.h"
 #include "formats/glb.h"
 #include "formats/pack_check.h"
 #include "formats/pack_layout.h"
+#include "formats/patch_code.h"
+#include "formats/rtt_reflection.h"
 
 namespace bakelight::formats {
 namespace {
@@ -14,6 +17,15 @@ void checkOptions(const PackOptions& options) {
   if (!isValid(options.position_bits, 8) || !isValid(options.normal_bits, 6)) {
     throw std::logic_error("Draco's bits are out of range");
   }
+}
+
+Pack checkedAndExpanded(Pack pack, const std::string& file) {
+  checkPack(pack, file);
+  for (Appearance& appearance : pack.appearances) {
+    if (auto* btf = appearance.reflection.as<BtfReflection>(); btf != nullptr) expandPatch(*btf, file);
+    if (auto* rtt = appearance.reflection.as<RttReflection>(); rtt != nullptr) expandPatch(*rtt, file);
+  }
+  return pack;
 }
 
 }  // namespace
@@ -33,9 +45,7 @@ Bytes encodePack(const Pack& pack, const PackOptions& options, const std::string
 
 Pack decodePack(std::span<const std::byte> bytes, const std::string& file) {
   const GlbReader glb(bytes, file);
-  Pack pack = decodeUncheckedPack(glb);
-  checkPack(pack, file);
-  return pack;
+  return checkedAndExpanded(decodeUncheckedPack(glb), file);
 }
 
 void writePack(const std::filesystem::path& path, const Pack& pack, const PackOptions& options) {
@@ -43,9 +53,8 @@ void writePack(const std::filesystem::path& path, const Pack& pack, const PackOp
 }
 
 Pack readPack(const std::filesystem::path& path) {
-  Pack pack = decodeUncheckedPack(GlbReader(MappedFile::open(path), path.string()));
-  checkPack(pack, path.string());
-  return pack;
+  return checkedAndExpanded(decodeUncheckedPack(GlbReader(MappedFile::open(path), path.string())),
+                            path.string());
 }
 
 std::vector<PackSection> packSections(std::span<const std::byte> bytes, const std::string& file) {

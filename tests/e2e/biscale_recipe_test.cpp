@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "formats/btf_reflection.h"
 #include "formats/btf_writer.h"
 #include "formats/image.h"
 #include "formats/index_image.h"
@@ -29,20 +30,22 @@ const std::string kBin = BAKELIGHT_BIN_DIR;
 
 class BiscaleRecipe : public testing::Test {
  protected:
-  ShellOutcome bake(Uv uv, const std::string& options = "", const Json& patch = {{"file", "stones.exr"}}) {
+  ShellOutcome bake(Uv uv, const std::string& options = "", const Json& patch = {{"file", "stones.exr"}},
+                    const std::string& recipe = "biscale",
+                    const Json& transfer = {{"directions", 512}, {"clusters", 4}}) {
     const fs::path asset = folder_ / "tube";
     fs::create_directories(asset);
     writeTube(asset / "tube.obj", uv);
     formats::writeExr(asset / "stones.exr", stones(32, 12));
     const Json json = {{"mesh", "tube.obj"},
-                       {"recipe", "biscale"},
+                       {"recipe", recipe},
                        {"material", {{"patch", patch}}},
                        {"stages",
                         {{"simplify", {{"triangles", 384}}},
                          {"atlas", {{"resolution", 256}}},
                          {"mesomesh", {{"vertices", 8000}}},
                          {"rtt", {{"resolution", 16}, {"views", 3}}},
-                         {"transfer", {{"directions", 512}, {"clusters", 4}}},
+                         {"transfer", transfer},
                          {"frame", {{"width", 160}, {"height", 120}}}}}};
     std::ofstream(asset / "asset.json") << json;
     return shell(kBin + "/bakelight run '" + asset.string() + "' --out '" + (folder_ / "out").string() +
@@ -176,10 +179,100 @@ TEST_F(BiscaleRecipe, MeasuredBtfOfAPatchIsProjectedAndPacked) {
   EXPECT_EQ(formats::readRadianceTransferTextures(out("rtt.exr")).front().views, 1);
 }
 
+// A file as measured ones are, 81 × 81 directions of their own and factorised, becomes the BTF of a pack in a pixel basis.
+TEST_F(BiscaleRecipe, MeasuredBtfIsResampledForLightOfAllFrequencies) {
+  formats::BtfInfo info;
+  info.width = info.height = 4;
+  info.views = {{0, 0}};
+  for (const auto& [polar_deg, around] : {std::pair(15, 6), {30, 12}, {45, 18}, {60, 20}, {75, 24}})
+    for (int a = 0; a < around; ++a) info.views.push_back({polar_deg * 0.0174533, a * 6.2831853 / around});
+  ASSERT_EQ(info.views.size(), 81U);
+  info.lights = info.views;
+  // Of full rank: each of the texels has a lobe of its own.
+  std::vector<formats::BtfFactors> channels(3);
+  for (formats::BtfFactors& factors : channels) {
+    factors.rank = 16;
+    factors.singular_values.assign(16, 1);
+    factors.texels.assign(16 * 16, 0);
+    for (std::size_t k = 0; k < 16; ++k) factors.texels[k * 17] = 1;
+    for (const formats::BtfDirection& view : info.views)
+      for (const formats::BtfDirection& light : info.lights)
+        for (int k = 0; k < 16; ++k)
+          factors.directions.push_back(static_cast<float>(
+              std::cos(light.polar_rad) * (0.1 + 0.01 * k +
+                                           0.05 * std::sin(light.polar_rad) * std::sin(view.polar_rad) *
+                                               std::cos(light.azimuth_rad - view.azimuth_rad - k))));
+  }
+  fs::create_directories(folder_ / "tube");
+  formats::writeFactorizedBtf(folder_ / "tube/ubo.btf", info, formats::BtfColorModel::kRgb, channels,
+                              formats::BtfPrecision::kHalf);
+  const ShellOutcome outcome =
+      bake(Uv::kUnrolled, "", {{"btf", {{"file", "ubo.btf"}}}}, "allfreq", {{"cube_side", 4}});
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const formats::Pack pack = formats::readPack(out("tube.glb"));
+  const auto* btf = pack.appearances.front().reflection.as<formats::BtfReflection>();
+  ASSERT_NE(btf, nullptr);
+  EXPECT_EQ(btf->width, 4);
+  EXPECT_EQ(btf->lights, 8);
+  EXPECT_EQ(btf->views, 8);
+  EXPECT_LT(btf->error, 0.08);
+  // Light of the same radiance from everywhere: about π × the mean of texel 6's reflectance per steradian.
+  const std::vector<float> factors = btf->factors.decode();
+  const auto components = static_cast<std::size_t>(btf->components);
+  double sky = 0;
+  for (std::size_t k = 0; k < components; ++k)
+    for (std::size_t cell = 0; cell < 64; ++cell)
+      sky +=
+          factors[(6 * 64 + 27) * components + k] * btf->basisOf(static_cast<int>(k))[cell] * 6.2831853 / 64;
+  EXPECT_NEAR(sky, 3.14159 * 0.16, 0.05);
+}
+
+// A surface without a picture is laid out by how it looks (mesomesh --rtt); frames of the meso-mesh and the width that it has there reach
+// the pack.
+TEST_F(BiscaleRecipe, SurfaceWithoutAPictureIsLaidOutByItsTransfer) {
+  const std::string dents = BAKELIGHT_SOURCE_DIR "/configs/patches/dents.png";
+  const ShellOutcome outcome = bake(Uv::kNone, "", {{"width", 0.5}, {"height", {{"file", dents}}}});
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const Json stages = record().at("stages");
+  const std::string exemplar = stages.at("mesomesh").at("stats").at("patches")[0].at("file");
+  EXPECT_NE(exemplar.find("transfer texture"), std::string::npos) << exemplar;
+  EXPECT_EQ(stages.at("idmap").at("status"), "ran");
+  EXPECT_EQ(stages.at("idmap").at("stats").at("undetermined_frames"), 0);
+  const formats::Pack pack = formats::readPack(out("tube.glb"));
+  const auto* rtt = pack.appearances.front().reflection.as<formats::RttReflection>();
+  ASSERT_NE(rtt, nullptr);
+  ASSERT_TRUE(rtt->index);
+  EXPECT_NEAR(rtt->patch_width, 0.5, 0.05);
+  // Tangents of the pack are those that the id map wrote for each vertex, not those of the atlas's texture coordinates.
+  const formats::MesoMesh meso = formats::readMesoMesh(out("meso.ply"));
+  const std::vector<formats::Float4>& tangents = pack.sh().glossy->tangents;
+  std::size_t along = 0;
+  for (std::size_t v = 0; v < tangents.size(); ++v) {
+    std::size_t nearest = 0;
+    double least = 1e30;
+    for (std::size_t m = 0; m < meso.mesh.vertexCount(); ++m) {
+      double squared = 0;
+      for (std::size_t c = 0; c < 3; ++c)
+        squared += std::pow(meso.mesh.positions[m][c] - pack.mesh.positions[v][c], 2);
+      if (squared < least) least = squared, nearest = m;
+    }
+    double cosine = 0;
+    for (std::size_t c = 0; c < 3; ++c) cosine += meso.tangents[nearest][c] * tangents[v][c];
+    along += cosine > 0.9;
+  }
+  EXPECT_GT(static_cast<double>(along), 0.9 * static_cast<double>(tangents.size()));
+}
+
 TEST_F(BiscaleRecipe, SaysWhatIsWrongWithAPatch) {
   const ShellOutcome missing = bake(Uv::kNone, "", {{"file", "wool.exr"}});
   EXPECT_EQ(missing.status, 2);
   EXPECT_NE(missing.output.find("/material/patch/file"), std::string::npos) << missing.output;
+  const ShellOutcome bare = bake(
+      Uv::kNone, "",
+      {{"file", "stones.exr"}, {"height", {{"file", "stones.exr"}}}, {"texture", {{"file", "paint.png"}}}});
+  EXPECT_EQ(bare.status, 2);
+  EXPECT_NE(bare.output.find("paint.png"), std::string::npos) << bare.output;
+  EXPECT_NE(bare.output.find("/material/patch/texture/file"), std::string::npos) << bare.output;
   std::ofstream(folder_ / "tube/felt.btf") << "!DFMF08FCR";
   const ShellOutcome cut = bake(Uv::kNone, "", {{"btf", {{"file", "felt.btf"}}}});
   EXPECT_EQ(cut.status, 2);

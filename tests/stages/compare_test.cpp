@@ -4,6 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "formats/btf_writer.h"
 #include "formats/error.h"
 #include "formats/mesh_ply.h"
 #include "tests/stages/scenes.h"
@@ -320,6 +321,34 @@ TEST(CompareFiles, ACompressedPackIsNotItsPlainCounterpart) {
               Contains(HasSubstr("sections")));
   std::filesystem::remove(plain);
   std::filesystem::remove(small);
+}
+
+TEST(CompareFiles, BtfsByDirectionsAndValues) {
+  const auto folder = std::filesystem::temp_directory_path();
+  const auto write = [&](const char* name, float brighter, double turned) {
+    BtfInfo info;
+    info.width = 2, info.height = 3;
+    info.lights = {{0.2, 0}, {0.9, 1 + turned}};
+    info.views = {{0, 0}, {0.5, 2}, {1, 3}};
+    std::vector<float> values(std::size_t{3} * 2 * 6 * 3, 0.5F);
+    values[40] += brighter;
+    const auto path = folder / name;
+    writeRawBtf(path, *btfOf(info, values));
+    return path;
+  };
+  const auto reference = write("bakelight_compare_reference.btf", 0, 0),
+             brighter = write("bakelight_compare_brighter.btf", 0.25F, 0),
+             turned = write("bakelight_compare_turned.btf", 0, 0.1);
+  const Comparison same = compareFiles("btf", reference, reference, {});
+  EXPECT_TRUE(same.passes());
+  EXPECT_EQ(same.compared_values, std::uint64_t{108});
+  EXPECT_NEAR(differenceCalled(compareFiles("btf", brighter, reference, {}), "values, maximum").measured,
+              0.25, 1e-3);
+  EXPECT_TRUE(compareFiles("btf", brighter, reference, {.maximum = 0.3, .relative = 0.1}).passes());
+  EXPECT_FALSE(compareFiles("btf", brighter, reference, {.maximum = 0.2, .relative = 0.1}).passes());
+  EXPECT_THAT(compareFiles("btf", turned, reference, {.maximum = 9, .relative = 9}).mismatches,
+              testing::Not(IsEmpty()));
+  for (const auto& path : {reference, brighter, turned}) std::filesystem::remove(path);
 }
 
 TEST(CompareFiles, AMissingFileIsAnError) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "formats/btf_pictures.h"
+#include "formats/btf_table.h"
 #include "formats/btf_writer.h"
 #include "formats/error.h"
 #include "formats/material.h"
@@ -33,9 +34,10 @@ constexpr formats::Word<formats::BtfPictureColors> kColors[] = {
 constexpr formats::Word<bool> kPrecisions[] = {{"half", false}, {"float", true}};
 
 struct Options {
-  std::filesystem::path measured, material_file, rtt, written;
+  std::filesystem::path measured, material_file, rtt, btfs, written;
   formats::BtfPictureOptions pictures;
   btf::ProjectionOptions projection;
+  btf::GridLights grid;
   btf::RewritingOptions rewriting;
   btf::Crop crop;
   std::optional<double> scale;
@@ -53,9 +55,18 @@ void declare(stage::Tool& tool, Options& options) {
       .input("table", "table", options.pictures.table,
              "Directions of pictures whose names do not state them (JSON, CSV)", false)
       .output("rtt", "rtt", options.rtt, "The radiance transfer texture (EXR)", false)
+      .output("btfs", "tensors", options.btfs,
+              "As tables (safetensors) in the directions that transfer in a pixel basis has: for light from "
+              "each cell "
+              "of a grid, by the grid of views",
+              false)
       .output("written", "btf", options.written, "What is left of it as a .btf file", false)
       .parameter("views", options.projection.views, {1, 64}, "",
                  "A side of the texture's grid of views; 1 is the mean over views")
+      .parameter("btf_lights", options.grid.lights, {1, 32}, "",
+                 "A side of the tables' grid of lights over the hemisphere")
+      .parameter("btf_light_samples", options.grid.light_samples, {1, 16}, "",
+                 "A side, directions in each cell of that grid, of which tables have the mean")
       .parameter("order", options.projection.order, {1, 10}, "SH bands", "Of the texture")
       .parameter("resolution", options.resolution, {1, 8192}, "texels",
                  "Longer side at most: so many texels as it takes are averaged to one")
@@ -92,7 +103,7 @@ std::shared_ptr<const formats::Btf> opened(Options& options, stage::Run& run) {
                                                 : formats::openBtf(options.measured);
   for (const std::string& note : btf->info().notes) run.warn(note);
   options.projection.scale = options.scale.value_or(is_pictures ? 1 / std::numbers::pi : 1);
-  if (is_pictures && !options.scale && !options.rtt.empty())
+  if (is_pictures && !options.scale && !(options.rtt.empty() && options.btfs.empty()))
     run.warn("values of pictures are taken relative to a white diffuser: they are divided by pi (scale)");
   return btf;
 }
@@ -130,6 +141,36 @@ formats::Json describe(const formats::Btf& btf) {
           {"cosine_inside", info.cosine_inside},
           {"file_bytes", info.bytes},
           {"expanded_bytes", 12.0 * static_cast<double>(pictures) * static_cast<double>(btf.texelCount())}};
+}
+
+// One of those whose tables are written, with what its file asks for.
+struct Kept {
+  std::string material;
+  std::shared_ptr<const formats::Btf> btf;
+  btf::ProjectionOptions projection;
+};
+
+void writeTables(const Options& options, const std::vector<Kept>& all, stage::Run& run) {
+  const int views = options.projection.views;
+  std::vector<formats::BtfTableShape> shapes;
+  std::size_t steps = 0;
+  for (const Kept& kept : all) {
+    shapes.push_back(
+        {kept.material, views, options.grid.lights, kept.btf->info().width, kept.btf->info().height});
+    steps += kept.btf->info().views.size();
+    constexpr double kMost = 4.3e9;
+    if (const double bytes = 4.0 * static_cast<double>(shapes.back().valueCount()); bytes > kMost)
+      throw Error(ExitStatus::kUsage, {"", "--btfs", ""},
+                  "a table of that size takes " + std::to_string(bytes / 1e9) + " GB",
+                  std::to_string(kMost / 1e9) + " of memory at most",
+                  "lessen resolution, views or btf_lights");
+  }
+  stage::Progress progress = run.progress("resampling", steps, "views");
+  formats::BtfTableWriter writer(options.btfs, shapes);
+  for (const Kept& kept : all)
+    writer.append(kept.material,
+                  btf::resample(*kept.btf, kept.projection, options.grid, [&] { progress.advance(); }));
+  writer.finish();
 }
 
 struct NamedTexture {
@@ -196,6 +237,7 @@ void runOne(Options& options, stage::Run& run) {
     writeTextures(options, std::span(&made.texture, 1));
     tell(made.stats, run);
   }
+  if (!options.btfs.empty()) writeTables(options, {{options.material, kept, options.projection}}, run);
   if (!options.written.empty()) rewrite(*kept, options, run);
 }
 
@@ -208,11 +250,13 @@ void runMaterials(Options& options, stage::Run& run) {
   std::vector<formats::RadianceTransferTexture> textures;
   formats::Json stats = formats::Json::array();
   double view_dependence = 0;
+  std::vector<Kept> all;
   const auto take = [&](const std::string& name, const formats::Material& material) {
     if (!material.patch || material.patch->btf.empty()) return;
     options.measured = material.patch->btf, options.material = name;
     const std::shared_ptr<const formats::Btf> measured = opened(options, run);
-    NamedTexture made = projectTexture(*reduced(measured, options, run), options, run);
+    all.push_back({name, reduced(measured, options, run), options.projection});
+    NamedTexture made = projectTexture(*all.back().btf, options, run);
     formats::Json told = describe(*measured);
     told.update(made.stats);
     told["material"] = name;
@@ -222,12 +266,11 @@ void runMaterials(Options& options, stage::Run& run) {
   };
   take("", materials.base);
   for (const auto& [name, material] : materials.by_name) take(name, material);
-  if (!options.rtt.empty()) {
-    if (textures.empty())
-      throw badInput({options.material_file.string(), "", "/patch"}, "no material's patch is a measured BTF",
-                     "a \"patch\" with a \"btf\"");
-    writeTextures(options, textures);
-  }
+  if (textures.empty() && !(options.rtt.empty() && options.btfs.empty()))
+    throw badInput({options.material_file.string(), "", "/patch"}, "no material's patch is a measured BTF",
+                   "a \"patch\" with a \"btf\"");
+  if (!options.rtt.empty()) writeTextures(options, textures);
+  if (!options.btfs.empty()) writeTables(options, all, run);
   run.stat("patches", textures.size());
   run.stat("view_dependence", view_dependence);
   run.stat("textures", std::move(stats));

@@ -45,6 +45,24 @@ std::vector<Light> quadratureLights(const ProjectionOptions& options) {
   return lights;
 }
 
+// Of each cell: places of a Gauss rule in its square, as rtt has them; every point of it has the same solid angle.
+std::vector<Light> cellLights(const GridLights& grid) {
+  const auto side = static_cast<std::size_t>(grid.lights);
+  std::vector<Light> lights;
+  for (std::size_t cell = 0; cell < side * side; ++cell)
+    for (const auto& up : transport::gaussLegendreRule(grid.light_samples))
+      for (const auto& across : transport::gaussLegendreRule(grid.light_samples)) {
+        const auto at = [&](std::size_t place, double node) {
+          return (static_cast<double>(place) + (1 + node) / 2) / grid.lights;
+        };
+        Light light{transport::hemisphereFromSquare(at(cell % side, across.x), at(cell / side, up.x)),
+                    std::vector<double>(side * side, 0.0)};
+        light.weights[cell] = up.weight * across.weight / 4 * light.direction.z();
+        lights.push_back(std::move(light));
+      }
+  return lights;
+}
+
 // Directions whose share goes to a view of the texture.
 struct GridView {
   Vec3 direction;
@@ -204,11 +222,17 @@ void divideByCosines(Uses& uses, const Directions& directions) {
             directions.lights[static_cast<std::size_t>(directions.lights_of_view[v][i])].z(), kLeastCosine);
 }
 
+// [view][texel][color][coefficient]
+struct Target {
+  std::span<float> values;
+  std::size_t texels = 0, coefficients = 0;
+};
+
 void addView(const formats::Btf& btf, int v, const std::vector<int>& lights, const std::vector<Use>& uses,
-             double scale, formats::RadianceTransferTexture& texture) {
+             double scale, const Target& target) {
   std::vector<Rows> weights;
   for (const Use& use : uses) weights.push_back((scale * use.weights).cast<float>());
-  const std::size_t texels = texture.texelCount(), coefficients = texture.coefficientCount();
+  const std::size_t texels = target.texels, coefficients = target.coefficients;
   const auto view = btf.view(v);
   tbb::parallel_for(std::size_t{0}, (texels + kBlock - 1) / kBlock, [&](std::size_t block) {
     const std::size_t first = block * kBlock, count = std::min(kBlock, texels - first);
@@ -222,7 +246,7 @@ void addView(const formats::Btf& btf, int v, const std::vector<int>& lights, con
                                                               static_cast<Eigen::Index>(count));
         for (std::size_t t = 0; t < count; ++t) {
           float* response =
-              &texture.values[(uses[u].target * texels + first + t) * 3 * coefficients + c * coefficients];
+              &target.values[(uses[u].target * texels + first + t) * 3 * coefficients + c * coefficients];
           for (std::size_t i = 0; i < coefficients; ++i)
             response[i] += added(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(t));
         }
@@ -265,36 +289,56 @@ double viewDependence(const formats::RadianceTransferTexture& texture) {
 
 }  // namespace
 
+namespace {
+
+// Adds up what each measured view gives to each of the grid. Returns whether views and lights were interpolated together.
+bool addViews(const formats::Btf& btf, const ProjectionOptions& options, const Directions& directions,
+              const std::vector<Light>& lights, const std::function<void()>& advance, const Target& target) {
+  const std::vector<GridView> grid = gridViews(options.views);
+  const bool is_joint = isJoint(directions);
+  Uses uses = is_joint ? usesByPair(directions, lights, grid) : usesByView(directions, lights, grid);
+  const bool inside = options.cosine == Cosine::kInside ||
+                      (options.cosine == Cosine::kAsFileSays && btf.info().cosine_inside);
+  if (inside) divideByCosines(uses, directions);
+  for (std::size_t v = 0; v < directions.views.size(); ++v) {
+    if (!uses[v].empty() && !directions.lights_of_view[v].empty())
+      addView(btf, static_cast<int>(v), directions.lights_of_view[v], uses[v], options.scale, target);
+    if (advance) advance();
+  }
+  return is_joint;
+}
+
+}  // namespace
+
 Projected project(const formats::Btf& btf, const ProjectionOptions& options,
                   const std::function<void()>& advance) {
   const formats::BtfInfo& info = btf.info();
   const Directions directions = directionsOf(btf, options.clockwise);
-  const std::vector<Light> lights = quadratureLights(options);
-  const std::vector<GridView> grid = gridViews(options.views);
   Projected result;
   result.texture.order = options.order, result.texture.views = options.views;
   result.texture.width = info.width, result.texture.height = info.height;
   result.texture.allocate();
-  result.figures.is_joint = isJoint(directions);
   result.figures.view_gap_deg = degrees(transport::largestGap(directions.views).angle_rad);
   result.figures.light_gap_deg = degrees(transport::largestGap(directions.lights).angle_rad);
-
-  Uses uses =
-      result.figures.is_joint ? usesByPair(directions, lights, grid) : usesByView(directions, lights, grid);
-  const bool inside =
-      options.cosine == Cosine::kInside || (options.cosine == Cosine::kAsFileSays && info.cosine_inside);
-  if (inside) divideByCosines(uses, directions);
-  for (std::size_t v = 0; v < directions.views.size(); ++v) {
-    if (!uses[v].empty() && !directions.lights_of_view[v].empty())
-      addView(btf, static_cast<int>(v), directions.lights_of_view[v], uses[v], options.scale, result.texture);
-    if (advance) advance();
-  }
+  result.figures.is_joint =
+      addViews(btf, options, directions, quadratureLights(options), advance,
+               {result.texture.values, result.texture.texelCount(), result.texture.coefficientCount()});
   if (!result.figures.is_joint)
     for (std::size_t v = 0; v < directions.views.size(); ++v)
       result.figures.views_left_out += !isSeen(directions, v);
   measureRadiance(result.texture, result.figures);
   result.figures.view_dependence = viewDependence(result.texture);
   return result;
+}
+
+std::vector<float> resample(const formats::Btf& btf, const ProjectionOptions& options, const GridLights& grid,
+                            const std::function<void()>& advance) {
+  const std::size_t cells = static_cast<std::size_t>(grid.lights) * grid.lights;
+  std::vector<float> values(static_cast<std::size_t>(options.views) * options.views * btf.texelCount() * 3 *
+                            cells);
+  addViews(btf, options, directionsOf(btf, options.clockwise), cellLights(grid), advance,
+           {values, btf.texelCount(), cells});
+  return values;
 }
 
 }  // namespace bakelight::btf

@@ -52,4 +52,13 @@ struct Projected {
 Projected project(const formats::Btf& btf, const ProjectionOptions& options,
                   const std::function<void()>& advance = {});
 
+// As project(), but by the cells of a grid of lights × lights over the hemisphere in place of spherical harmonics: the mean over the cell of radiance
+// under a directional light of unit irradiance normal to itself, as formats/btf_table.h has it. `order` and its quadrature do not count; of each cell
+// light_samples² directions do.
+struct GridLights {
+  int lights = 8, light_samples = 2;
+};
+std::vector<float> resample(const formats::Btf& btf, const ProjectionOptions& options, const GridLights& grid,
+                            const std::function<void()>& advance = {});
+
 }  // namespace bakelight::btf

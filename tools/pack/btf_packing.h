@@ -10,20 +10,34 @@
 namespace bakelight::packing {
 
 struct BtfPackingOptions {
-  // Principal components are taken until what they leave is less: relative root mean square over all lights, views, texels and
-  // colors. 0 takes all.
-  double error = 0.04;
-  formats::Precision precision = formats::Precision::kFloat16;
+  // Relative root mean square over all lights, views, texels and colors that the pack may leave. 0: all components, uncoded.
+  double error = 0.075;
+  formats::Precision precision = formats::Precision::kFloat16;  // of factors as they are played
 };
 
 struct PackedBtf {
   formats::BtfReflection reflection;  // without patch_width, index and repeats
-  double ratio = 0;                   // bytes of all values as floats ÷ those of factors and basis
+  double components_error = 0;        // of `reflection.error`, what the components leave
+  std::size_t value_count = 0;        // texels · views · lights · colors
+  std::size_t stored_bytes = 0;       // of factors, basis and heights in the pack
 };
 
-// The BTF's views and lights are the middles of hemisphere grids, in any order, as `rtt --btf` writes them: values are means over
-// the cells of light. Where the file has no cosines inside, the mean cosine of each cell is multiplied in. Throws Error(kBadInput)
-// naming the file for other directions, missing pictures or another grid of lights than `local_side`. Holds all values as floats.
-PackedBtf packBtf(const formats::Btf& btf, int local_side, const BtfPackingOptions& options);
+// All values of a BTF, [view][texel][color][light], as factored() takes them.
+struct BtfSamples {
+  std::string file;  // for messages
+  int views = 1, lights = 1, width = 0, height = 0;
+  std::vector<float> values;
+};
+// Views and lights are the middles of hemisphere grids, in any order, as `rtt --btf` writes them: values are means over the cells of light. Where the
+// file has no cosines inside, the mean cosine of each cell is multiplied in. Throws Error(kBadInput) naming the file for other directions or missing
+// pictures.
+BtfSamples samplesOf(const formats::Btf& btf);
+BtfSamples samplesOf(const formats::BtfTable& table);
+
+// `texture` (or null) is of the same run and brings heights if it is of the same size. Throws Error(kBadInput) naming the file for another grid of
+// lights than `local_side`.
+PackedBtf packBtf(const BtfSamples& samples, int local_side, const BtfPackingOptions& options,
+                  const formats::RadianceTransferTexture* texture = nullptr,
+                  const RttPackingOptions& relief = {});
 
 }  // namespace bakelight::packing

@@ -23,8 +23,8 @@ constexpr const char* kReflectionNow =
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::filesystem::path mesh_path, material_path, transfer_path, brdf_path, rtt_path, btf_path, id_map_path,
-      pack_path;
+  std::filesystem::path mesh_path, material_path, transfer_path, brdf_path, rtt_path, btf_path, btfs_path,
+      id_map_path, pack_path;
   packing::PackingOptions options;
   formats::PackOptions file_options;
 
@@ -40,6 +40,8 @@ int main(int argc, char** argv) {
              "With transfer in a pixel basis: the BTF of the material's patch, as rtt writes it, for all "
              "materials that have none of their own",
              false)
+      .input("btfs", "tensors", btfs_path,
+             "With transfer in a pixel basis: the BTFs of all materials' patches, as rtt writes them", false)
       .input("id_map", "id_map", id_map_path,
              "Which place of its patch each texel shows; without it, texture coordinates lay the patches out",
              false)
@@ -59,8 +61,11 @@ int main(int argc, char** argv) {
           "Look views of deep patches up where each sees the same point, by heights; else all at one place "
           "of the mid-plane, where they show it twice")
       .parameter("btf_error", options.btf.error, {0, 1}, "",
-                 "Relative error that principal components of BTFs may leave; 0 keeps all")
-      .parameter("btf_precision", options.btf.precision, formats::kPrecisions, "Numbers of BTFs' factors")
+                 "Relative error that BTFs may have in the pack: their code's step and components are found "
+                 "for it; 0 "
+                 "keeps all components, as a table")
+      .parameter("btf_precision", options.btf.precision, formats::kPrecisions,
+                 "Numbers of BTFs' factors as they are played")
       .parameter("crease_angle", options.crease_angle, {0, 180}, "degrees",
                  "Pixel basis: corners whose frames differ by more are not interpolated between")
       .parameter("draco", file_options.draco, "Compress the mesh with Draco, for distribution")
@@ -79,12 +84,16 @@ int main(int argc, char** argv) {
     if (!brdf_path.empty()) brdf = formats::readSafetensors(brdf_path);
     formats::TriangleMesh mesh = formats::readPly(mesh_path);
     packing::PatchSources patches;
-    if (!rtt_path.empty() || !btf_path.empty()) patches = packing::readPatchSources(rtt_path, id_map_path);
+    if (!rtt_path.empty() || !btf_path.empty() || !btfs_path.empty())
+      patches = packing::readPatchSources(rtt_path, id_map_path);
     formats::Materials materials = formats::readMaterialsOrDefault(material_path);
     for (const std::string& name : formats::translucentMaterials(materials))
       run.warn("the medium of " + (name.empty() ? "the asset's own material" : "\"" + name + "\"") +
                " is left out: packs have none, and show its albedo as diffuse reflection");
     packing::takeMaterials(materials, patches);
+    if (!btfs_path.empty())
+      for (formats::BtfTable& table : formats::readBtfTables(btfs_path))
+        patches.tables.emplace(table.material, table);
     if (!btf_path.empty()) patches.btfs[""] = formats::openBtf(btf_path);
     // In a directional basis; without transfer for them, they are none of this tool's business.
     if (packing::isPixelTechnique(transfer.requireMetadata("technique", transfer_path.string())))

@@ -5,7 +5,9 @@
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -93,10 +95,19 @@ const formats::RadianceTransferTexture* textureOf(const PatchSources& patches, c
   return patches.own_materials.contains(material) ? nullptr : own;
 }
 
-std::shared_ptr<const formats::Btf> btfOf(const PatchSources& patches, const std::string& material) {
-  auto found = patches.btfs.find(material);
-  if (found == patches.btfs.end() && !patches.own_materials.contains(material)) found = patches.btfs.find("");
-  return found == patches.btfs.end() ? nullptr : found->second;
+// Of the material's name, else the asset's own. Null if there is none.
+template <class Value>
+const Value* namedOrOwn(const std::map<std::string, Value>& by_material, const PatchSources& patches,
+                        const std::string& material) {
+  auto found = by_material.find(material);
+  if (found == by_material.end() && !patches.own_materials.contains(material)) found = by_material.find("");
+  return found == by_material.end() ? nullptr : &found->second;
+}
+
+std::optional<BtfSamples> btfOf(const PatchSources& patches, const std::string& material) {
+  if (const auto* table = namedOrOwn(patches.tables, patches, material)) return samplesOf(*table);
+  if (const auto* btf = namedOrOwn(patches.btfs, patches, material)) return samplesOf(**btf);
+  return std::nullopt;
 }
 
 // Where the patch of `material`, as the mesh calls it, or else of `source`, lies.
@@ -194,12 +205,21 @@ double relativeError(const EncodedTable& table, std::span<const float> original)
 
 formats::Json toJson(const std::vector<TextureFigures>& textures) {
   formats::Json json = formats::Json::array();
-  for (const TextureFigures& texture : textures)
+  for (const TextureFigures& texture : textures) {
     json.push_back({{"material", texture.material},
                     {"components", texture.components},
                     {"error", texture.error},
-                    {"patch_width", texture.patch_width},
-                    {"storage_ratio", texture.ratio}});
+                    {"patch_width", texture.patch_width}});
+    if (texture.stored_bytes == 0) continue;
+    const auto ratio = [&](double bytes_per_value) {
+      return bytes_per_value * static_cast<double>(texture.value_count) /
+             static_cast<double>(texture.stored_bytes);
+    };
+    json.back().update(
+        {{"components_error", texture.components_error},
+         {"stored_bytes", texture.stored_bytes},
+         {"storage_ratio", {{"float32", ratio(4)}, {"float16", ratio(2)}, {"uint8", ratio(1)}}}});
+  }
   return json;
 }
 
@@ -208,8 +228,10 @@ namespace {
 formats::Pack assembleShPack(formats::TriangleMesh mesh, const TensorSource& source, const TensorFile* brdf,
                              const PackingOptions& options, const SourceNames& files,
                              const PatchSources& patches, std::vector<TextureFigures>& textures) {
-  if (!patches.btfs.empty())
-    throw badInput({patches.btfs.begin()->second->info().file, "", "/btf"},
+  if (!patches.btfs.empty() || !patches.tables.empty())
+    throw badInput({patches.tables.empty() ? patches.btfs.begin()->second->info().file
+                                           : patches.tables.begin()->second.file,
+                    "", "/btf"},
                    "the transfer beside it is in spherical harmonics, which a BTF has no use for",
                    "transfer in a pixel basis", "bake it with basis pixel, or give pack an rtt instead");
   formats::ShTransfer read = readTransfer(source, mesh.vertexCount(), options.precision);
@@ -246,13 +268,13 @@ formats::Pack assemblePixelPack(formats::TriangleMesh mesh, const TensorSource& 
       mesh, options,
       [&](const std::string& material, const formats::Reflection& reflection,
           bool& has_index) -> formats::PackPart {
-        const std::shared_ptr<const formats::Btf> btf = btfOf(patches, material);
-        if (btf == nullptr) {
+        const std::optional<BtfSamples> btf = btfOf(patches, material);
+        if (!btf) {
           if (textureOf(patches, material) != nullptr)
             throw badInput({files.rtt, "material \"" + material + "\"", "/btf"},
                            "its patch is here a radiance transfer texture alone, for spherical harmonics",
                            "a BTF for transfer in a pixel basis",
-                           "give pack the btf that rtt writes beside it");
+                           "give pack the btfs that rtt writes beside it");
           if (options.reflection != ShownReflection::kNone &&
               !std::holds_alternative<formats::Lambert>(reflection))
             throw badInput({files.material, "material \"" + material + "\"", "/reflection"},
@@ -260,15 +282,13 @@ formats::Pack assemblePixelPack(formats::TriangleMesh mesh, const TensorSource& 
                            "a BTF, or a diffuse material", "give it a patch, or set reflection none");
           return formats::LambertReflection();
         }
-        PackedBtf packed = packBtf(*btf, read.local_side, options.btf);
         // The texture of the same run, if it is given, knows where views see the same.
-        const formats::RadianceTransferTexture* texture = textureOf(patches, material);
-        if (texture != nullptr && texture->views == packed.reflection.views &&
-            texture->width == packed.reflection.width && texture->height == packed.reflection.height)
-          packed.reflection.heights = reliefOf(*texture, options.rtt, files.rtt);
+        PackedBtf packed =
+            packBtf(*btf, read.local_side, options.btf, textureOf(patches, material), options.rtt);
         layOut(packed.reflection, material, "", mesh, patches, !std::exchange(has_index, true), files);
         textures.push_back({material, packed.reflection.components, double{packed.reflection.error},
-                            double{packed.reflection.patch_width}, packed.ratio});
+                            double{packed.reflection.patch_width}, packed.components_error,
+                            packed.value_count, packed.stored_bytes});
         return std::move(packed.reflection);
       });
   formats::Pack pack{options.name, std::move(mesh), {}, std::move(read), std::move(appearances)};

@@ -47,9 +47,11 @@ struct PackingOptions {
 struct TextureFigures {
   std::string material;
   int components = 0;
-  double error = 0;  // that the components leave (PackedRtt); of a BTF with what their precision costs
+  double error = 0;  // that the components leave (PackedRtt); of a BTF what the pack leaves
   double patch_width = 0;
-  double ratio = 0;  // of a BTF: PackedBtf; else 0
+  // Of a BTF: as PackedBtf.
+  double components_error = 0;
+  std::size_t value_count = 0, stored_bytes = 0;
 };
 formats::Json toJson(const std::vector<TextureFigures>& textures);
 

@@ -11,12 +11,12 @@
 #include "formats/image.h"
 #include "formats/json.h"
 #include "formats/json_reader.h"
+#include "formats/patch_levels.h"
 
 namespace bakelight::packing {
 namespace {
 
 using formats::RadianceTransferTexture;
-using formats::RttLevel;
 using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Samples = Eigen::Map<const Matrix>;  // views · texels × 3 · order²
 
@@ -62,38 +62,6 @@ Basis principalComponents(const Samples& samples, double error) {
   return basis;
 }
 
-// Shares of the texels of a row of `from` that each of `to` texels covers.
-struct Cover {
-  int first = 0;
-  std::vector<double> shares;  // sum 1
-};
-std::vector<Cover> covers(int from, int to) {
-  std::vector<Cover> result(static_cast<std::size_t>(to));
-  for (int i = 0; i < to; ++i) {
-    const double begin = static_cast<double>(i) * from / to, end = static_cast<double>(i + 1) * from / to;
-    Cover& cover = result[static_cast<std::size_t>(i)];
-    cover.first = static_cast<int>(begin);
-    for (int x = cover.first; x < end && x < from; ++x)
-      cover.shares.push_back((std::min(end, x + 1.0) - std::max<double>(begin, x)) / (end - begin));
-  }
-  return result;
-}
-
-// Of one view: texels × components.
-Matrix meansOver(const Matrix& finest, int width, int height, const RttLevel& level) {
-  const std::vector<Cover> across = covers(width, level.width), down = covers(height, level.height);
-  Matrix means = Matrix::Zero(static_cast<Eigen::Index>(level.width) * level.height, finest.cols());
-  for (int y = 0; y < level.height; ++y)
-    for (int x = 0; x < level.width; ++x)
-      for (std::size_t j = 0; j < down[y].shares.size(); ++j)
-        for (std::size_t i = 0; i < across[x].shares.size(); ++i)
-          means.row(static_cast<Eigen::Index>(y) * level.width + x) +=
-              static_cast<float>(down[y].shares[j] * across[x].shares[i]) *
-              finest.row(static_cast<Eigen::Index>(down[y].first + static_cast<int>(j)) * width +
-                         across[x].first + static_cast<int>(i));
-  return means;
-}
-
 }  // namespace
 
 PatchSources readPatchSources(const std::filesystem::path& rtt, const std::filesystem::path& id_map) {
@@ -122,86 +90,72 @@ void takeMaterials(const formats::Materials& materials, PatchSources& patches) {
 
 void takeBtfs(const formats::Materials& materials, PatchSources& patches) {
   const auto take = [&](const std::string& name, const formats::Material& material) {
-    if (material.patch && !material.patch->btf.empty())
+    if (material.patch && !material.patch->btf.empty() && !patches.tables.contains(name))
       patches.btfs[name] = formats::openBtf(material.patch->btf);
   };
   take("", materials.base);
   for (const auto& [name, material] : materials.by_name) take(name, material);
 }
 
-FactoringFigures factorPatch(const PatchSamples& source, double error, formats::Precision precision,
-                             const std::string& file, formats::FactoredPatch& patch) {
+Factored factored(const PatchSamples& source, double error) {
   const auto texels = static_cast<Eigen::Index>(source.width) * source.height;
   const auto views = static_cast<Eigen::Index>(source.views) * source.views;
   const Samples samples(source.values.data(), views * texels, static_cast<Eigen::Index>(source.incident));
   const Basis basis = principalComponents(samples, error);
   const Eigen::Index components = basis.columns.cols();
-  const std::vector<RttLevel> levels = formats::rttLevels(source.width, source.height);
-  const auto rowOf = [&](std::size_t texel, Eigen::Index view) {
-    return (texel * static_cast<std::size_t>(views) + static_cast<std::size_t>(view)) *
-           static_cast<std::size_t>(components);
-  };
-
-  std::vector<float> factors(formats::rttTexelCount(levels) * static_cast<std::size_t>(views * components));
+  Factored result{static_cast<int>(components),
+                  std::vector<float>(static_cast<std::size_t>(views * texels * components)),
+                  {basis.columns.data(), basis.columns.data() + basis.columns.size()},  // column by column
+                  basis.error,
+                  basis.total};
   tbb::parallel_for(Eigen::Index{0}, views, [&](Eigen::Index view) {
     const Matrix finest = samples.middleRows(view * texels, texels) * basis.columns;
-    for (const RttLevel& level : levels) {
-      const Matrix means =
-          level.first_texel == 0 ? finest : meansOver(finest, source.width, source.height, level);
-      for (Eigen::Index t = 0; t < means.rows(); ++t)
-        std::copy_n(means.row(t).data(), components,
-                    &factors[rowOf(level.first_texel + static_cast<std::size_t>(t), view)]);
-    }
+    for (Eigen::Index t = 0; t < texels; ++t)
+      std::copy_n(finest.row(t).data(), components,
+                  &result.values[static_cast<std::size_t>((t * views + view) * components)]);
   });
-
-  patch.views = source.views;
-  patch.width = source.width;
-  patch.height = source.height;
-  patch.components = static_cast<int>(components);
-  patch.factors = formats::encodeTable(factors, static_cast<std::size_t>(components), precision, file,
-                                       "factors of the patch");
-  patch.basis.assign(basis.columns.data(),
-                     basis.columns.data() + basis.columns.size());  // column by column
-  // The basis is orthonormal, so what factors lose is lost in values, beside what components leave.
-  const std::vector<float> stored = patch.factors.decode();
-  double lost = 0;
-  for (std::size_t i = 0; i < rowOf(static_cast<std::size_t>(texels), 0); ++i)
-    lost += (double{stored[i]} - factors[i]) * (double{stored[i]} - factors[i]);
-  const double total = basis.total > 0 ? lost / basis.total : 0;
-  return {basis.error, std::sqrt(basis.error * basis.error + total)};
+  return result;
 }
 
 PackedRtt packRtt(const RadianceTransferTexture& texture, const RttPackingOptions& options,
                   const std::string& file) {
   PackedRtt packed;
-  packed.reflection.order = texture.order;
-  packed.error =
-      factorPatch({texture.values, texture.views, texture.width, texture.height, texture.responseSize()},
-                  options.error, options.precision, file, packed.reflection)
-          .components;
-  packed.reflection.heights = reliefOf(texture, options, file);
+  Factored made = factored(
+      {texture.values, texture.views, texture.width, texture.height, texture.responseSize()}, options.error);
+  packed.error = made.error;
+  formats::RttReflection& rtt = packed.reflection;
+  rtt.order = texture.order;
+  rtt.views = texture.views;
+  rtt.width = texture.width;
+  rtt.height = texture.height;
+  rtt.components = made.components;
+  const auto components = static_cast<std::size_t>(made.components);
+  rtt.factors = formats::encodeTable(
+      formats::withLevels(made.values, texture.width, texture.height, texture.viewCount() * components),
+      components, options.precision, file, "factors of the patch");
+  rtt.basis = std::move(made.basis);
+  rtt.heights = reliefOf(texture, options, file);
   return packed;
+}
+
+std::vector<float> heightsByTexel(const RadianceTransferTexture& texture, const RttPackingOptions& options) {
+  if (!options.relief ||
+      std::all_of(texture.heights.begin(), texture.heights.end(), [](float h) { return h == 0; }))
+    return {};
+  const std::size_t views = texture.viewCount(), texels = texture.texelCount();
+  std::vector<float> heights(texture.heights.size());
+  for (std::size_t view = 0; view < views; ++view)
+    for (std::size_t t = 0; t < texels; ++t) heights[t * views + view] = texture.heights[view * texels + t];
+  return heights;
 }
 
 std::optional<formats::EncodedTable> reliefOf(const RadianceTransferTexture& texture,
                                               const RttPackingOptions& options, const std::string& file) {
-  if (!options.relief ||
-      std::all_of(texture.heights.begin(), texture.heights.end(), [](float h) { return h == 0; }))
-    return std::nullopt;
-  const std::vector<RttLevel> levels = formats::rttLevels(texture.width, texture.height);
-  const std::size_t views = texture.viewCount();
-  std::vector<float> heights(formats::rttTexelCount(levels) * views);
-  for (std::size_t view = 0; view < views; ++view) {
-    const Matrix finest = Eigen::Map<const Matrix>(&texture.heights[view * texture.texelCount()],
-                                                   static_cast<Eigen::Index>(texture.texelCount()), 1);
-    for (const RttLevel& level : levels) {
-      const Matrix means =
-          level.first_texel == 0 ? finest : meansOver(finest, texture.width, texture.height, level);
-      for (Eigen::Index t = 0; t < means.rows(); ++t)
-        heights[(level.first_texel + static_cast<std::size_t>(t)) * views + view] = means(t, 0);
-    }
-  }
-  return formats::encodeTable(heights, 1, formats::Precision::kFloat16, file, "heights of the patch");
+  const std::vector<float> heights = heightsByTexel(texture, options);
+  if (heights.empty()) return std::nullopt;
+  return formats::encodeTable(
+      formats::withLevels(heights, texture.width, texture.height, texture.viewCount()), 1,
+      formats::Precision::kFloat16, file, "heights of the patch");
 }
 
 formats::PackImage packIndex(const formats::IndexImage& id_map) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "formats/btf.h"
+#include "formats/btf_table.h"
 #include "formats/index_image.h"
 #include "formats/material.h"
 #include "formats/radiance_transfer_texture.h"
@@ -29,6 +30,8 @@ struct PatchSources {
   std::set<std::string> own_materials = {};
   // By material, "" the asset's own, for transfer in a pixel basis.
   std::map<std::string, std::shared_ptr<const formats::Btf>> btfs = {};
+  // Likewise, and before these.
+  std::map<std::string, formats::BtfTable> tables = {};
 };
 // `id_map` may be empty. Throws Error(kBadInput) as the readers of both files.
 // Without `rtt` there are no textures.
@@ -37,7 +40,7 @@ PatchSources readPatchSources(const std::filesystem::path& rtt, const std::files
 // What materials say of patches: their names, and widths of patches that lie by texture coordinates; an id map brings its own.
 void takeMaterials(const formats::Materials& materials, PatchSources& patches);
 
-// Opens the `.btf` files that materials name as their patches' BTFs. Throws as formats::openBtf.
+// Opens the `.btf` files that materials name as their patches' BTFs, where there is no table of theirs. Throws as formats::openBtf.
 void takeBtfs(const formats::Materials& materials, PatchSources& patches);
 
 struct RttPackingOptions {
@@ -54,24 +57,30 @@ struct PatchSamples {
   int views = 1, width = 0, height = 0;
   std::size_t incident = 0;  // three colors of each
 };
-struct FactoringFigures {
-  double components = 0;  // relative root mean square error that the components leave
-  double stored = 0;      // with what the factors' precision costs at the finest level
+// Places × basis, by principal components.
+struct Factored {
+  int components = 0;
+  std::vector<float> values;  // of the finest level, as FactoredPatch::factors
+  std::vector<float>
+      basis;  // as FactoredPatch::basis; orthonormal, so what factors lose is lost in what is reflected
+  double error = 0;  // relative root mean square that the components leave
+  double total = 0;  // Σ value²
 };
-// Fills in all of `patch` but patch_width, index and repeats. `error` as RttPackingOptions.
-FactoringFigures factorPatch(const PatchSamples& source, double error, formats::Precision precision,
-                             const std::string& file, formats::FactoredPatch& patch);
+// As many components as leave less than `error`, by fours; all for 0.
+Factored factored(const PatchSamples& source, double error);
 
 struct PackedRtt {
   formats::RttReflection reflection;  // without patch_width, index and repeats
   double error = 0;                   // that the components leave
 };
 
-// Levels are means over the texels of the finest level that they cover, view by view: a view's picture is taken through a plane
-// by parallel rays, so the mean over an area is what that area sends towards the view, exactly. `file` for errors.
+// With all levels (formats/patch_levels.h). `file` for errors.
 PackedRtt packRtt(const formats::RadianceTransferTexture& texture, const RttPackingOptions& options,
                   const std::string& file);
 
+// Of the finest level, of each texel its views; empty where the texture has none but zeros or `options` leave them out.
+std::vector<float> heightsByTexel(const formats::RadianceTransferTexture& texture,
+                                  const RttPackingOptions& options);
 // Heights of a texture, for all levels, unless it has none but zeros or `options` leave them out.
 std::optional<formats::EncodedTable> reliefOf(const formats::RadianceTransferTexture& texture,
                                               const RttPackingOptions& options, const std::string& file);

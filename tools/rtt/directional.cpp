@@ -117,6 +117,7 @@ DirectionalBtf makeBtf(const patch::PatchGeometry& geometry, const Options& opti
   made.figures.views_s = std::chrono::duration<double>(Clock::now() - viewing).count();
   made.figures.mean_albedo = meanAlbedoOf(responses);
   made.btf = std::make_unique<RenderedBtf>(std::move(info), values);
+  made.rendered = values;
   return made;
 }
 

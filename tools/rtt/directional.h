@@ -5,6 +5,8 @@
 
 #include <functional>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "formats/btf.h"
 #include "patch/patch_geometry.h"
@@ -23,6 +25,9 @@ struct DirectionalBtf {
   // that comes through the cell, summed over the cells, it is the radiance towards the view.
   std::unique_ptr<formats::Btf> btf;
   Figures figures;  // without view_dependence
+  // The same: [view][texel][color][light].
+  std::shared_ptr<const std::vector<float>> rendered;
+  std::span<const float> values() const { return *rendered; }
 };
 
 // Bytes of the values in memory, views² · lights² · texels · 12; and of the light on the surface, points · lights² · 12, which

@@ -109,7 +109,36 @@ void requireOnePatch(const std::vector<NamedMaterial>& named, const std::filesys
   if (rendered != 1)
     throw badInput({file.string(), "", "/patch"},
                    std::to_string(rendered) + " materials have a patch with a surface, and a .btf holds one",
-                   "one", "run rtt for each material on its own, or without --btf");
+                   "one", "ask for --btfs, which are of all materials, or run rtt for each on its own");
+}
+
+// Of a material whose patch is measured: the table that btf made.
+formats::BtfTable measuredTable(const NamedMaterial& each, const rtt::BtfOutput& output) {
+  const formats::Patch& patch = *each.material->patch;
+  const std::string whose = each.name.empty() ? "the asset's own material" : "\"" + each.name + "\"";
+  if (patch.btf.empty())
+    throw badInput(
+        {patch.rtt.string(), "", "/patch/rtt"},
+        "the patch of " + whose + " is a radiance transfer texture, which knows no directions of light",
+        "a surface, or a measured BTF", "give it \"height\", \"geometry\" or \"btf\"");
+  if (output.measured.empty())
+    throw badInput(
+        {patch.btf.string(), "", "/patch/btf"},
+        "the patch of " + whose + " is a measured BTF, which btf brings to these directions",
+        "its table (measured_btfs)",
+        "run btf --material-file with --btfs first, and give rtt what it wrote; the recipe allfreq does");
+  for (formats::BtfTable& table : formats::readBtfTables(output.measured)) {
+    if (table.material != each.name) continue;
+    if (table.lights != output.options.lights)
+      throw badInput(
+          {output.measured.string(), "", "/btf_lights"},
+          "it has " + std::to_string(table.lights) + " × " + std::to_string(table.lights) + " cells of light",
+          std::to_string(output.options.lights) + " × " + std::to_string(output.options.lights),
+          "give btf and rtt the same btf_lights");
+    return std::move(table);
+  }
+  throw badInput({output.measured.string(), "", ""}, "it has no BTF of " + whose,
+                 "one for each measured patch", "make it by btf --material-file of the same material");
 }
 
 void requireRoom(const rtt::Options& options, double aspect) {
@@ -194,16 +223,17 @@ int main(int argc, char** argv) {
                      "a \"patch\" with \"height\", \"geometry\", \"file\", \"btf\" or \"rtt\"",
                      "add one to a material's \"patch\"");
     if (!btf.path.empty()) requireOnePatch(named, material_path);
+    std::vector<rtt::BtfSource> btfs;
     stage::Progress progress =
         run.progress("rtt", named.size() * static_cast<std::size_t>(options.views) * options.views, "views");
     const auto start = std::chrono::steady_clock::now();
     std::vector<formats::RadianceTransferTexture> textures;
     formats::Json stats = formats::Json::array();
-    std::optional<patch::PatchGeometry> of_btf;
     std::uint64_t rays = 0;
     double view_dependence = 0;
     for (const NamedMaterial& each : named) {
       if (const formats::Patch& patch = *each.material->patch; !patch.hasSurface()) {
+        if (!btf.tables.empty()) btfs.push_back({each.name, std::nullopt, measuredTable(each, btf)});
         textures.push_back(readyMade(each, measured_path, options));
         progress.advance(options.views * options.views);
         stats.push_back(
@@ -214,7 +244,7 @@ int main(int argc, char** argv) {
       const patch::PatchGeometry geometry = patch::readPatch(*each.material);
       for (const std::string& note : geometry.notes) run.warn(note);
       requireRoom(options, geometry.aspect);
-      if (!btf.path.empty()) rtt::requireRoom(btf, geometry, options, run);
+      if (btf.isWanted()) rtt::requireRoom(btf, geometry, options, run);
       rtt::Rtt made = rtt::makeRtt(geometry, options, [&] { progress.advance(1); });
       made.texture.material = each.name;
       warnOf(each, made.figures, options, run);
@@ -222,11 +252,11 @@ int main(int argc, char** argv) {
       view_dependence = std::max(view_dependence, made.figures.view_dependence.from_head_on);
       stats.push_back(toJson(each.name, made));
       textures.push_back(std::move(made.texture));
-      if (!btf.path.empty()) of_btf = geometry;
+      if (btf.isWanted()) btfs.push_back({each.name, geometry, std::nullopt});
     }
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!rtt_path.empty()) formats::writeRadianceTransferTextures(rtt_path, textures);
-    if (of_btf) run.stat("btf", rtt::makeAndWrite(btf, *of_btf, options, run));
+    if (btf.isWanted()) run.stat("btfs", rtt::makeAndWrite(btf, btfs, options, run));
     run.stat("textures", stats);
     run.stat("view_dependence", view_dependence);
     run.stat("seconds", seconds);

@@ -63,6 +63,52 @@ std::vector<double> integrated(const Reflectance& reflectance, const Vec3& view,
   return sums;
 }
 
+// Of light from cells: a Lambertian has albedo ÷ π × the cell's mean cosine; a lobe the mean over the cell.
+TEST(Resampling, GivesTheMeanOverCellsOfLight) {
+  const auto directions = [] {
+    std::vector<BtfDirection> all = {{0, 0}};
+    for (int ring = 1; ring <= 5; ++ring)
+      for (int a = 0; a < 6 * ring; ++a)
+        all.push_back({ring * 15 * formats::kDegree, a * 60.0 / ring * formats::kDegree});
+    return all;
+  }();
+  const ProjectionOptions options{.views = 3};
+  const GridLights grid{4, 2};
+  const auto at = [](int view, int texel, int color, int cell) {
+    return static_cast<std::size_t>(((view * 2 + texel) * 3 + color) * 16 + cell);
+  };
+  const std::vector<float> flat = resample(
+      *btfOf(measured(directions, [](const Vec3&, const Vec3&) { return 0.6 / kPi; })), options, grid);
+  ASSERT_EQ(flat.size(), std::size_t{9} * 2 * 3 * 16);
+  for (int view = 0; view < 9; ++view)
+    for (int cell = 0; cell < 16; ++cell)
+      for (int color = 0; color < 3; ++color)
+        ASSERT_NEAR(
+            flat[at(view, 1, color, cell)],
+            0.6 / kPi * 1.5 * std::pow(0.5, color) * transport::hemisphereCellCosine(4, cell % 4, cell / 4),
+            2e-3)
+            << view << ' ' << cell;
+
+  const Reflectance lobe = [](const Vec3& light, const Vec3& view) {
+    const Vec3 mirrored(-view.x(), -view.y(), view.z());
+    return 0.1 + std::pow(std::max(0.0, mirrored.dot(light)), 4);
+  };
+  const std::vector<float> shiny = resample(*btfOf(measured(directions, lobe)), options, grid);
+  const Vec3 towards = transport::hemisphereCell(3, 2, 1);
+  double largest = 0;
+  for (const float value : shiny) largest = std::max(largest, double{value});
+  for (int cell = 0; cell < 16; ++cell) {
+    double mean = 0;
+    constexpr int kFine = 12;
+    for (int i = 0; i < kFine * kFine; ++i) {
+      const Vec3 light = transport::hemisphereFromSquare((cell % 4 + (i % kFine + 0.5) / kFine) / 4,
+                                                         (cell / 4 + (i / kFine + 0.5) / kFine) / 4);
+      mean += lobe(light, towards) * light.z() / (kFine * kFine);
+    }
+    EXPECT_NEAR(shiny[at(5, 0, 0, cell)], mean, 0.06 * largest / 1.5) << cell;
+  }
+}
+
 void expectLambert(const formats::RadianceTransferTexture& texture, double albedo, double tolerance,
                    const std::string& what) {
   for (int row = 0; row < texture.views; ++row)

@@ -127,6 +127,33 @@ TEST(Material, MayBeTranslucent) {
               HasSubstr("/medium/reduced_scattering"));
 }
 
+TEST(Material, PatchMayBeMeasured) {
+  const FileResolver any = [](const std::string& name, const ErrorPlace&) { return "/there/" + name; };
+  const auto materialsOf = [&](const std::string& text) {
+    return materialsFromJson(parseJson(text, "m.json"), "m.json", "", any);
+  };
+  const Materials measured = materialsOf(R"({ "patch": { "btf": { "file": "wool.btf" }, "width": 0.5 } })");
+  const Patch& patch = *measured.base.patch;
+  EXPECT_EQ(patch.btf, "/there/wool.btf");
+  EXPECT_EQ(patch.width, 0.5);
+  EXPECT_FALSE(patch.hasSurface());
+  const FileResolver same = [](const std::string& name, const ErrorPlace&) { return name; };
+  EXPECT_EQ(materialsFromJson(toJson(measured), "m.json", "", same).base.patch, measured.base.patch);
+  const auto problemOf = [&](const std::string& text) -> std::string {
+    try {
+      materialsOf(text);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(problemOf(R"({ "patch": { "btf": { "file": "w.btf" }, "height": { "file": "h.png" } } })"),
+              HasSubstr("/patch/"));
+  EXPECT_THAT(problemOf(R"({ "patch": { "btf": { "file": "w.btf" }, "rtt": { "file": "r.exr" } } })"),
+              HasSubstr("/patch/"));
+  EXPECT_THAT(problemOf(R"({ "patch": { "btf": {} } })"), HasSubstr("/patch/btf"));
+}
+
 TEST(Material, OfSomeFacesHasAName) {
   const Materials materials =
       parsed(R"({ "material": { "albedo": [1, 1, 1] }, "materials": { "lid": { "albedo": [0, 0, 1] } } })");

@@ -68,7 +68,7 @@ TEST(BtfPacking, KeepsValuesWithinTheStatedError) {
   for (const auto& [error, precision] : {std::pair(0.0, formats::Precision::kFloat32),
                                          {0.02, formats::Precision::kFloat16},
                                          {0.0, formats::Precision::kUint8}}) {
-    const PackedBtf packed = packBtf(*madeBtfFile(), kLights, {error, precision});
+    const PackedBtf packed = packBtf(samplesOf(*madeBtfFile()), kLights, {error, precision});
     const formats::BtfReflection& btf = packed.reflection;
     const std::vector<float> factors = btf.factors.decode();
     double squared = 0, difference = 0;
@@ -87,7 +87,7 @@ TEST(BtfPacking, KeepsValuesWithinTheStatedError) {
       EXPECT_LT(btf.error, error * 1.01);
       EXPECT_LT(btf.components, 16);
     }
-    EXPECT_GT(packed.ratio, 0);
+    EXPECT_GT(packed.stored_bytes, 0U);
     // The last level is the mean over texels.
     const std::size_t last = formats::rttTexelCount(formats::rttLevels(kWidth, kHeight)) - 1;
     double mean = 0;
@@ -97,7 +97,8 @@ TEST(BtfPacking, KeepsValuesWithinTheStatedError) {
 }
 
 TEST(BtfPacking, MultipliesCosinesInWhereThereAreNone) {
-  const PackedBtf packed = packBtf(*madeBtfFile(false), kLights, {0, formats::Precision::kFloat32});
+  const PackedBtf packed =
+      packBtf(samplesOf(*madeBtfFile(false)), kLights, {0, formats::Precision::kFloat32});
   EXPECT_NEAR(valueIn(packed.reflection, packed.reflection.factors.decode(), 3, 2, 7, 1),
               valueOf(2, 7, 3, 1) * transport::hemisphereCellCosine(kLights, 3, 1), 1e-5);
 }
@@ -112,16 +113,17 @@ std::string messageOf(const std::function<void()>& action) {
 }
 
 TEST(BtfPacking, RefusesOtherDirections) {
-  EXPECT_THAT(messageOf([] { packBtf(*madeBtfFile(), 8, {}); }), HasSubstr("local_side"));
+  EXPECT_THAT(messageOf([] { packBtf(samplesOf(*madeBtfFile()), 8, {}); }), HasSubstr("local_side"));
   formats::BtfInfo info = madeBtfFile()->info();
   info.lights[3].polar_rad += 0.05;
   const std::vector<float> values(4 * 16 * 8 * 3, 0.5F);
-  EXPECT_THAT(messageOf([&] { packBtf(*formats::btfOf(info, values), kLights, {}); }),
+  EXPECT_THAT(messageOf([&] { packBtf(samplesOf(*formats::btfOf(info, values)), kLights, {}); }),
               HasSubstr("its lights"));
   info = madeBtfFile()->info();
   info.views.pop_back();
   EXPECT_THAT(messageOf([&] {
-                packBtf(*formats::btfOf(info, std::vector<float>(3 * 16 * 8 * 3, 0.5F)), kLights, {});
+                packBtf(samplesOf(*formats::btfOf(info, std::vector<float>(3 * 16 * 8 * 3, 0.5F))), kLights,
+                        {});
               }),
               HasSubstr("its views"));
 }
@@ -172,7 +174,16 @@ TEST(PixelPack, IsMadeOfTransferAndBtf) {
   ASSERT_NE(btf, nullptr);
   EXPECT_GT(btf->patch_width, 0);
   ASSERT_EQ(figures.size(), 1U);
-  EXPECT_FALSE(formats::encodePack(pack, {}, "file").empty());
+  // What is played of the pack is what was measured.
+  const formats::Pack read = formats::decodePack(formats::encodePack(pack, {}, "file"), "file");
+  const auto* again = read.appearances.front().reflection.as<formats::BtfReflection>();
+  ASSERT_NE(again, nullptr);
+  EXPECT_EQ(again->factors.data, btf->factors.data);
+  EXPECT_EQ(again->error, btf->error);
+  const formats::Json json = toJson(figures);
+  EXPECT_EQ(json.at(0).at("stored_bytes"), figures[0].stored_bytes);
+  EXPECT_NEAR(json.at(0).at("storage_ratio").at("float16").get<double>(),
+              2.0 * 4 * 8 * 16 * 3 / static_cast<double>(figures[0].stored_bytes), 1e-9);
 }
 
 // Heights of the texture of the same run; a texture alone is for the other basis, and is not dropped without a word.
@@ -198,7 +209,9 @@ TEST(PixelPack, TakesHeightsOfTheTextureBesideTheBtf) {
   const auto* btf = pack.appearances.front().reflection.as<formats::BtfReflection>();
   ASSERT_NE(btf, nullptr);
   ASSERT_TRUE(btf->heights);
-  EXPECT_EQ(btf->heights->decode(), std::vector<float>(btf->factors.rows, 0.25F));
+  ASSERT_EQ(btf->heights->rows, btf->factors.rows);
+  // Within an eighth of a texel's width.
+  for (const float height : btf->heights->decode()) ASSERT_NEAR(height, 0.25F, 0.125 / info.width + 1e-3);
   patches.btfs.clear();
   EXPECT_THAT(messageOf(packed), HasSubstr("rtt.exr"));
 }

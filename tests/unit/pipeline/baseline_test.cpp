@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "fakes.h"
+#include "formats/btf_writer.h"
 #include "formats/hash.h"
 #include "formats/image.h"
 #include "formats/mesh_ply.h"
@@ -332,6 +333,28 @@ TEST_F(BaselineTest, OutputThatIsGoneOrNewDiffers) {
   made.stages[1].entry.outputs["more"] = entry.outputs.at("transfer");
   made.stages[1].kinds["more"] = "tensors";
   expectOnlyDiffers("transfer");
+}
+
+// A measured or rendered BTF is compared by its values, within the limits of its kind.
+TEST_F(BaselineTest, BtfsHaveLimits) {
+  define(4, "rtt", "btf", "btf", "patch.btf");
+  made.stages[4].entry.outputs.erase("notes");
+  made.stages[4].kinds.erase("notes");
+  const auto write = [&](float value) {
+    formats::BtfInfo info;
+    info.width = info.height = 2;
+    info.lights = info.views = {{0.2, 0}, {0.9, 1}};
+    formats::writeRawBtf(fileOf(4), *formats::btfOf(info, std::vector<float>(48, value)));
+    rehash();
+  };
+  write(0.5F);
+  save();
+  EXPECT_EQ(check().differenceCount(), 0U);
+  write(0.75F);
+  expectOnlyDiffers("rtt");
+  editLimit("rtt", "btf", "maximum", 0.3);
+  editLimit("rtt", "btf", "relative", 0.6);
+  EXPECT_EQ(check().differenceCount(), 0U);
 }
 
 TEST_F(BaselineTest, NothingComparedIsNoSuccess) {

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <numeric>
 
 #include "formats/json.h"
 #include "formats/radiance_transfer_texture.h"
@@ -182,7 +183,7 @@ TEST_F(RttToolTest, WritesBothTexturesOfOneRun) {
   for (const std::string layout : {"factorized", "raw"}) {
     const tests::ShellOutcome outcome = run(dents_, "--btf-lights 4 --btf-layout " + layout);
     ASSERT_EQ(outcome.status, 0) << outcome.output;
-    const formats::Json figures = formats::readJson(folder_ / "stats.json").at("stats").at("btf");
+    const formats::Json figures = formats::readJson(folder_ / "stats.json").at("stats").at("btfs").at(0);
     EXPECT_LT(figures.at("written_error"), layout == "raw" ? 5e-4 : 0.02);
     const auto btf = formats::openBtf(path("patch.btf"));
     EXPECT_EQ(btf->info().lights.size(), 16U);
@@ -190,6 +191,60 @@ TEST_F(RttToolTest, WritesBothTexturesOfOneRun) {
     EXPECT_TRUE(btf->info().cosine_inside);
     EXPECT_EQ(formats::readRadianceTransferTextures(path("patch.exr")).front().views, 2);
   }
+}
+
+// As tables: of each material, and the values of its own .btf; what is measured is taken over.
+TEST_F(RttToolTest, WritesBtfsOfAllMaterials) {
+  const formats::Json stucco = {
+      {"albedo", {0.3, 0.5, 0.7}},
+      {"patch",
+       {{"height", {{"file", BAKELIGHT_SOURCE_DIR "/configs/patches/stucco.png"}, {"depth", 0.3}}}}}};
+  const std::string tables = path("btfs.safetensors");
+  ASSERT_EQ(run(stucco, "--btf-lights 4 --btf-layout raw").status, 0);
+  const auto alone = formats::openBtf(path("patch.btf"));
+  const auto runBoth = [&](const formats::Json& material, const std::string& options) {
+    std::ofstream(folder_ / "material.json") << material;
+    return tests::shell(std::string(BAKELIGHT_BIN_DIR) + "/rtt --material '" + path("material.json") +
+                        "' --progress none --resolution 8 --elements 8 --views 2 --btf-lights 4 --btfs '" +
+                        tables + "' --stats '" + path("stats.json") + "' " + options);
+  };
+  const tests::ShellOutcome both = runBoth({{"material", dents_}, {"materials", {{"wall", stucco}}}}, "");
+  ASSERT_EQ(both.status, 0) << both.output;
+  const std::vector<formats::BtfTable> written = formats::readBtfTables(tables);
+  ASSERT_EQ(written.size(), 2U);
+  EXPECT_EQ(written[0].material, "");
+  ASSERT_EQ(written[1].material, "wall");
+  EXPECT_EQ(written[1].lights, 4);
+  EXPECT_EQ(formats::readJson(folder_ / "stats.json").at("stats").at("btfs").size(), 2U);
+  const std::size_t texels = 64, cells = 16;
+  std::vector<int> lights(cells);
+  std::iota(lights.begin(), lights.end(), 0);
+  for (int view = 0; view < 4; ++view) {
+    const std::vector<float> values = written[1].valuesOf(static_cast<std::size_t>(view));
+    std::vector<float> expected(3 * cells * texels);
+    alone->view(view)->decode(lights, {0, texels}, expected);
+    for (std::size_t t = 0; t < texels; ++t)
+      for (std::size_t i = 0; i < 3 * cells; ++i)
+        ASSERT_EQ(values[t * 3 * cells + i], expected[i * texels + t]);
+  }
+
+  const formats::Json measured = {{"material", dents_},
+                                  {"materials", {{"wall", {{"patch", {{"btf", {{"file", "w.btf"}}}}}}}}}};
+  std::ofstream(folder_ / "w.btf") << "!DFMF08FCR";
+  const tests::ShellOutcome missing = runBoth(measured, "");
+  EXPECT_EQ(missing.status, 2);
+  EXPECT_NE(missing.output.find("measured_btfs"), std::string::npos) << missing.output;
+  std::filesystem::copy(tables, path("measured.safetensors"));
+  const tests::ShellOutcome taken =
+      runBoth(measured, "--measured-btfs '" + path("measured.safetensors") + "'");
+  ASSERT_EQ(taken.status, 0) << taken.output;
+  const std::vector<formats::BtfTable> again = formats::readBtfTables(tables);
+  ASSERT_EQ(again.size(), 2U);
+  EXPECT_EQ(again[1].valuesOf(3), written[1].valuesOf(3));
+  const tests::ShellOutcome other =
+      runBoth(measured, "--btf-lights 2 --measured-btfs '" + path("measured.safetensors") + "'");
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.output.find("btf_lights"), std::string::npos) << other.output;
 }
 
 TEST_F(RttToolTest, SaysWhyABtfCannotBeMade) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "formats/error.h"
+#include "formats/signed_codes.h"
 #include "tools/player/gl/gl_context.h"
 #include "tools/player/gl/gpu_timer.h"
 #include "tools/player/gl/surface_mesh.h"
@@ -138,13 +139,17 @@ PatchSurface::PatchSurface(const formats::TriangleMesh& mesh, std::span<const Fl
 std::vector<float> PatchSurface::basisOf(const formats::FactoredPatch& patch, std::size_t incident_values,
                                          std::size_t first_group, std::size_t groups) {
   std::vector<float> basis(incident_values * 3 * groups * kGroup, 0.0F);
+  const bool is_signed = formats::isSigned(patch.factors);
   const std::size_t end =
       std::min(kGroup * (first_group + groups), static_cast<std::size_t>(patch.components));
-  for (std::size_t k = kGroup * first_group; k < end; ++k)
+  for (std::size_t k = kGroup * first_group; k < end; ++k) {
+    // Signed bytes are looked up as −1 to 1: what 1 stands for is in the basis.
+    const float unit = is_signed ? formats::kSignedMiddle * patch.factors.scale[k] : 1;
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t i = 0; i < incident_values; ++i)
         basis[(i * 3 + c) * kGroup * groups + k - kGroup * first_group] =
-            patch.basis[(k * 3 + c) * incident_values + i];
+            unit * patch.basis[(k * 3 + c) * incident_values + i];
+  }
   return basis;
 }
 
@@ -172,14 +177,22 @@ void PatchSurface::uploadFactors(const formats::FactoredPatch& source, Patch& pa
   GLuint name = 0;
   glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
   patch.factors = Texture(name);
-  glTextureStorage3D(name, 1, full ? GL_RGBA32F : GL_RGBA16F, width, height, layers);
+  const bool is_signed = formats::isSigned(source.factors);
+  glTextureStorage3D(name, 1,
+                     full        ? GL_RGBA32F
+                     : is_signed ? GL_RGBA8_SNORM
+                                 : GL_RGBA16F,
+                     width, height, layers);
   for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
     glTextureParameteri(name, wrap, GL_CLAMP_TO_EDGE);
   for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
     glTextureParameteri(name, filter, GL_LINEAR);
-  patch.texture_bytes += static_cast<std::size_t>(width) * height * layers * (full ? 16 : 8);
+  patch.texture_bytes += static_cast<std::size_t>(width) * height * layers * (full ? 16 : is_signed ? 4 : 8);
 
   const std::vector<float> factors = source.factors.decode();
+  std::vector<float> units(components, 1.0F);
+  for (std::size_t k = 0; is_signed && k < components; ++k)
+    if (source.factors.scale[k] > 0) units[k] = formats::kSignedMiddle * source.factors.scale[k];
   for (int layer = 0; layer < layers; ++layer)
     for (std::size_t l = 0; l < levels.size(); ++l) {
       const int columns = levels[l].width * across, rows = levels[l].height * down;
@@ -192,7 +205,8 @@ void PatchSurface::uploadFactors(const formats::FactoredPatch& source, Patch& pa
           const std::size_t group = by_view ? x % across : layer;
           const float* row = &factors[(texel * views + view) * components];
           for (std::size_t k = 0; k < kGroup && group * kGroup + k < components; ++k)
-            texels[static_cast<std::size_t>(y) * columns + x][k] = row[group * kGroup + k];
+            texels[static_cast<std::size_t>(y) * columns + x][k] =
+                row[group * kGroup + k] / units[group * kGroup + k];
         }
       glTextureSubImage3D(name, 0, patch.levels[l][0] * across, patch.levels[l][1] * down, layer, columns,
                           rows, 1, GL_RGBA, GL_FLOAT, texels.data());

@@ -1,0 +1,4 @@
+bakelight_benchmark(bench_btf_payload
+  SOURCES bench_btf_payload.cpp
+  LIBRARIES bakelight_rtt bakelight_packing bakelight_btf_factorization bakelight_formats_material)
+target_compile_definitions(bench_btf_payload PRIVATE BAKELIGHT_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
