@@ -16,6 +16,7 @@ enum SumStream {
   kRowTiles,  // a row of the matrix: 0 none, 1 and 2 as the row above it in its cells or before it, 3 + its tile
   kRowTerms,      // of rows that have a tile, less 1
   kTileCounts,    // a tile: leaves, levels
+  kRankCounts,    // a tile: of sum, part and term ranks how many are in each context
   kLeafColumns,   // from leaf to leaf
   kLeafCodes,     // less 1
   kLevelCounts,   // sums of a level
@@ -31,15 +32,15 @@ enum SumStream {
   kSumStreams
 };
 inline constexpr std::array<const char*, kSumStreams> kSumStreamNames = {
-    "row_tiles",    "row_terms",   "tile_counts", "leaf_columns",  "leaf_codes",
-    "level_counts", "sum_anchors", "sum_ranks",   "part_steps",    "part_ranks",
-    "row_anchors",  "term_ranks",  "term_steps",  "plain_columns", "plain_codes"};
+    "row_tiles",    "row_terms",   "tile_counts",   "rank_counts", "leaf_columns", "leaf_codes",
+    "level_counts", "sum_anchors", "sum_ranks",     "part_steps",  "part_ranks",   "row_anchors",
+    "term_ranks",   "term_steps",  "plain_columns", "plain_codes"};
 
 // The same as keys of a pack.
 inline constexpr std::array<const char*, kSumStreams> kSumStreamKeys = {
-    "rowTiles",    "rowTerms",   "tileCounts", "leafColumns",  "leafCodes",
-    "levelCounts", "sumAnchors", "sumRanks",   "partSteps",    "partRanks",
-    "rowAnchors",  "termRanks",  "termSteps",  "plainColumns", "plainCodes"};
+    "rowTiles",    "rowTerms",   "tileCounts",   "rankCounts", "leafColumns", "leafCodes",
+    "levelCounts", "sumAnchors", "sumRanks",     "partSteps",  "partRanks",   "rowAnchors",
+    "termRanks",   "termSteps",  "plainColumns", "plainCodes"};
 
 struct CodedSums {
   int cube_side = 32, local_side = 8, subsamples = 2;

@@ -14,8 +14,15 @@
 namespace bakelight::formats {
 namespace {
 
-using Streams = std::array<std::vector<std::uint32_t>, kSumStreams>;
-using Cursors = std::array<std::size_t, kSumStreams>;
+struct Streams {
+  std::array<std::vector<std::uint32_t>, kSumStreams> values;
+  ByRank<std::vector<std::uint32_t>> ranks;
+};
+// Where a tile's values begin.
+struct Cursors {
+  std::array<std::size_t, kSumStreams> values{};
+  ByRank<std::size_t> ranks{};
+};
 
 [[noreturn]] void fail(const std::string& file, SumStream stream, std::size_t value,
                        const std::string& what) {
@@ -62,6 +69,10 @@ class RankedEntries {
     ranked_[anchor].uses.push_back(0);
   }
   std::size_t size() const { return size_; }
+
+  std::size_t entriesAt(std::uint64_t anchor) const {
+    return anchor < ranked_.size() ? ranked_[anchor].entries.size() : 0;
+  }
 
   // The place of the column that the step leads to; kNone if the tile has no such.
   std::uint64_t afterStep(std::uint64_t anchor, std::uint32_t step) const {
@@ -110,13 +121,14 @@ struct Row {
 class TileDecoder {
  public:
   TileDecoder(const Streams& streams, SumGrammar& grammar, const std::string& file, std::size_t tile,
-              const Cursors& cursors)
+              const std::vector<Cursors>& cursors)
       : streams_(streams),
         grammar_(grammar),
         file_(file),
         begin_(grammar.tiles[tile]),
         end_(grammar.tiles[tile + 1]),
-        next_(cursors),
+        next_(cursors[tile]),
+        rank_ends_(cursors[tile + 1].ranks),
         entries_(grammar.columnCount()),
         full_(static_cast<std::uint32_t>(grammar.subsamples * grammar.subsamples)) {}
 
@@ -128,13 +140,14 @@ class TileDecoder {
       first = grammar_.level_ends[level];
     }
     tileRows(rows);
+    if (next_.ranks != rank_ends_) fail(kRankCounts, "fewer ranks of a tile than it says");
   }
 
  private:
   [[noreturn]] void fail(SumStream stream, const std::string& what) const {
-    formats::fail(file_, stream, next_[stream] - 1, what);
+    formats::fail(file_, stream, next_.values[stream] - 1, what);
   }
-  std::uint32_t get(SumStream stream) { return streams_[stream][next_[stream]++]; }
+  std::uint32_t get(SumStream stream) { return streams_.values[stream][next_.values[stream]++]; }
   std::uint16_t column(SumStream stream, std::uint64_t value) const {
     if (value >= grammar_.columnCount()) fail(stream, "a column beyond the cube map");
     return static_cast<std::uint16_t>(value);
@@ -145,9 +158,17 @@ class TileDecoder {
     return static_cast<std::uint8_t>(code + 1);
   }
   std::uint16_t entry(SumStream stream, std::uint64_t anchor) {
-    const std::uint32_t found = entries_.useAt(anchor, get(stream));
+    const std::size_t entries = entries_.entriesAt(anchor);
+    const std::uint32_t found = entries_.useAt(anchor, entries > 1 ? rank(stream, entries) : 0);
     if (found == RankedEntries::kNone) fail(stream, "an entry that is not there");
     return static_cast<std::uint16_t>(found);
+  }
+
+  std::uint32_t rank(SumStream stream, std::size_t entries) {
+    const std::size_t index = rankIndexOf(stream), context = rankContextOf(entries);
+    std::size_t& next = next_.ranks[index][context];
+    if (next == rank_ends_[index][context]) fail(stream, "more ranks than rank_counts says");
+    return streams_.ranks[index][context][next++];
   }
 
   void leaves() {
@@ -228,6 +249,7 @@ class TileDecoder {
   const std::string& file_;
   SumTile begin_, end_;
   Cursors next_;
+  ByRank<std::size_t> rank_ends_;
   RankedEntries entries_;
   std::uint32_t full_;
   std::vector<std::uint32_t> anchors_;
@@ -247,14 +269,19 @@ class Decoder {
     std::vector<SumStream> rest;
     for (int stream = kLeafColumns; stream < kSumStreams; ++stream)
       if (stream != kLevelCounts) rest.push_back(static_cast<SumStream>(stream));
-    forAll(rest.size(), [&](std::size_t i) { read(rest[i], cursors_.back()[rest[i]]); });
+    forAll(rest.size(), [&](std::size_t i) {
+      if (std::find(kRankStreams.begin(), kRankStreams.end(), rest[i]) != kRankStreams.end())
+        readRanks(rest[i]);
+      else
+        read(rest[i], cursors_.back().values[rest[i]]);
+    });
     const SumTile& end = grammar_.tiles.back();
     grammar_.leaf_columns.resize(end.leaf), grammar_.leaf_codes.resize(end.leaf);
     grammar_.sum_parts.resize(2 * end.sum);
     grammar_.terms.resize(end.term), grammar_.term_codes.resize(end.code);
     grammar_.row_places.resize(end.row);
     forAll(tile_rows_.size(), [&](std::size_t tile) {
-      TileDecoder(streams_, grammar_, file_, tile, cursors_[tile]).decode(tile_rows_[tile]);
+      TileDecoder(streams_, grammar_, file_, tile, cursors_).decode(tile_rows_[tile]);
     });
     return std::move(grammar_);
   }
@@ -271,15 +298,29 @@ class Decoder {
                    "what bicluster wrote", "make the file again");
   }
   void read(SumStream stream, std::uint64_t expected) {
-    if (symbolsOf(stream) != expected)
-      fail(file_, stream, 0,
-           "there are " + std::to_string(symbolsOf(stream)) + " values, not " + std::to_string(expected) +
-               " as the counts before them say");
-    const SharedBytes& bytes = coded_.streams[stream];
+    draco::DecoderBuffer buffer = bufferOf(stream);
+    readList(stream, expected, buffer, streams_.values[stream]);
+  }
+  void readRanks(SumStream stream) {
+    draco::DecoderBuffer buffer = bufferOf(stream);
+    const std::size_t index = rankIndexOf(stream);
+    for (std::size_t context = 0; context < kRankContexts; ++context)
+      readList(stream, cursors_.back().ranks[index][context], buffer, streams_.ranks[index][context]);
+  }
+  draco::DecoderBuffer bufferOf(SumStream stream) const {
     draco::DecoderBuffer buffer;
-    buffer.Init(reinterpret_cast<const char*>(bytes.data()) + sizeof(expected),
-                bytes.size() - sizeof(expected), DRACO_BITSTREAM_VERSION(2, 2));
-    std::vector<std::uint32_t>& values = streams_[stream];
+    const SharedBytes& bytes = coded_.streams[stream];
+    buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size(), DRACO_BITSTREAM_VERSION(2, 2));
+    return buffer;
+  }
+  void readList(SumStream stream, std::uint64_t expected, draco::DecoderBuffer& buffer,
+                std::vector<std::uint32_t>& values) const {
+    std::uint64_t count = 0;
+    if (!buffer.Decode(&count)) failCode(stream);
+    if (count != expected)
+      fail(file_, stream, 0,
+           "there are " + std::to_string(count) + " values, not " + std::to_string(expected) +
+               " as the counts before them say");
     values.resize(expected);
     for (std::size_t begin = 0; begin < expected; begin += kMostSymbols) {
       const auto block = static_cast<std::uint32_t>(std::min<std::size_t>(kMostSymbols, expected - begin));
@@ -290,11 +331,11 @@ class Decoder {
   // Which rows a tile has, and of how many terms each is.
   void rows() {
     read(kRowTiles, coded_.row_count);
-    const auto& told = streams_[kRowTiles];
+    const auto& told = streams_.values[kRowTiles];
     read(kRowTerms, static_cast<std::uint64_t>(std::count_if(told.begin(), told.end(),
                                                              [](std::uint32_t tile) { return tile != 0; })));
     const std::uint64_t tiles = symbolsOf(kTileCounts) / 2;
-    if (tiles > streams_[kRowTerms].size()) fail(file_, kTileCounts, 0, "more tiles than rows");
+    if (tiles > streams_.values[kRowTerms].size()) fail(file_, kTileCounts, 0, "more tiles than rows");
     read(kTileCounts, 2 * tiles);
     tile_rows_.resize(tiles);
     std::vector<std::uint32_t> tile_of(told.size(), kNoTile);
@@ -306,7 +347,7 @@ class Decoder {
                      : told[row] == 2 ? TileGuess::before(tile_of, row)
                                       : told[row] - 3;
       if (tile_of[row] >= tiles) fail(file_, kRowTiles, row, "a tile that is not there");
-      const std::uint32_t terms = streams_[kRowTerms][next++];
+      const std::uint32_t terms = streams_.values[kRowTerms][next++];
       if (terms >= grammar_.columnCount())
         fail(file_, kRowTerms, next - 1, "a row of more terms than there are columns");
       tile_rows_[tile_of[row]].push_back({static_cast<std::uint32_t>(row), terms + 1});
@@ -315,18 +356,21 @@ class Decoder {
 
   void counts() {
     std::uint64_t levels = 0;
-    for (std::size_t i = 1; i < streams_[kTileCounts].size(); i += 2) levels += streams_[kTileCounts][i];
+    for (std::size_t i = 1; i < streams_.values[kTileCounts].size(); i += 2)
+      levels += streams_.values[kTileCounts][i];
     read(kLevelCounts, levels);
+    read(kRankCounts, tile_rows_.size() * kRankStreams.size() * kRankContexts);
     SumTile end;
-    Cursors cursors{};
+    Cursors next;
+    auto& cursors = next.values;
     std::vector<std::uint32_t> lengths;
-    grammar_.tiles.push_back(end), cursors_.push_back(cursors);
+    grammar_.tiles.push_back(end), cursors_.push_back(next);
     for (std::size_t tile = 0; tile < tile_rows_.size(); ++tile) {
-      const std::uint64_t leaves = streams_[kTileCounts][2 * tile];
-      const std::uint32_t tile_levels = streams_[kTileCounts][2 * tile + 1];
+      const std::uint64_t leaves = streams_.values[kTileCounts][2 * tile];
+      const std::uint32_t tile_levels = streams_.values[kTileCounts][2 * tile + 1];
       std::uint64_t sums = 0;
       for (std::uint32_t level = 0; level < tile_levels; ++level) {
-        sums += streams_[kLevelCounts][end.level++];
+        sums += streams_.values[kLevelCounts][end.level++];
         if (leaves == 0 || leaves + sums > kMostTileEntries)
           fail(file_, kLevelCounts, end.level - 1,
                "sums of a tile without leaves, or more than 65536 entries");
@@ -339,12 +383,22 @@ class Decoder {
       end.term += terms, end.code += plain_terms, end.row += rows;
       grammar_.tiles.push_back(end);
       cursors[kPlainColumns] = cursors[kPlainCodes] = end.code;
-      cursors[kTermRanks] = end.term - end.code;
       if (leaves > 0) cursors[kRowAnchors] += rows, cursors[kTermSteps] += terms - rows;
       cursors[kLeafColumns] = cursors[kLeafCodes] = end.leaf;
-      for (const SumStream stream : {kSumAnchors, kSumRanks, kPartSteps, kPartRanks})
-        cursors[stream] = end.sum;
-      cursors_.push_back(cursors);
+      cursors[kSumAnchors] = cursors[kPartSteps] = end.sum;
+      countRanks(tile, {sums, sums, terms - plain_terms}, next.ranks);
+      cursors_.push_back(next);
+    }
+  }
+
+  void countRanks(std::size_t tile, const std::array<std::uint64_t, kRankStreams.size()>& most,
+                  ByRank<std::size_t>& ends) const {
+    const std::size_t first = tile * kRankStreams.size() * kRankContexts;
+    const std::uint32_t* count = &streams_.values[kRankCounts][first];
+    for (std::size_t stream = 0; stream < kRankStreams.size(); ++stream) {
+      std::uint64_t sum = 0;
+      for (std::size_t& end : ends[stream]) sum += *count, end += *count++;
+      if (sum > most[stream]) fail(file_, kRankCounts, first, "more ranks than there are sums or terms");
     }
   }
 

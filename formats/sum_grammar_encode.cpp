@@ -1,7 +1,9 @@
 #include <draco/compression/entropy/symbol_encoding.h>
 
 #include <algorithm>
+#include <span>
 #include <stdexcept>
+#include <utility>
 
 #include "formats/sum_grammar_code.h"
 #include "formats/sum_streams.h"
@@ -9,7 +11,10 @@
 namespace bakelight::formats {
 namespace {
 
-using Streams = std::array<std::vector<std::uint32_t>, kSumStreams>;
+struct Streams {
+  std::array<std::vector<std::uint32_t>, kSumStreams> values;
+  ByRank<std::vector<std::uint32_t>> ranks;
+};
 
 // The entries of a tile by their lowest column, the most used first, as far as uses are known.
 class Ranks {
@@ -26,6 +31,7 @@ class Ranks {
     anchors_.push_back(anchor);
     uses_.push_back(0);
   }
+  std::size_t entriesAt(std::uint32_t anchor) const { return by_column_[anchor].size(); }
   std::uint32_t anchor(std::uint32_t entry) const { return anchors_[entry]; }
   std::size_t size() const { return anchors_.size(); }
 
@@ -64,6 +70,11 @@ class Encoder {
       leaves();
       sums();
       tileRows();
+      for (std::size_t stream = 0; stream < kRankStreams.size(); ++stream)
+        for (std::size_t context = 0; context < kRankContexts; ++context)
+          put(kRankCounts,
+              streams_.ranks[stream][context].size() -
+                  std::exchange(before_[stream][context], streams_.ranks[stream][context].size()));
     }
     return std::move(streams_);
   }
@@ -75,7 +86,13 @@ class Encoder {
   };
 
   void put(SumStream stream, std::uint64_t value) {
-    streams_[stream].push_back(static_cast<std::uint32_t>(value));
+    streams_.values[stream].push_back(static_cast<std::uint32_t>(value));
+  }
+
+  void putRank(SumStream stream, std::uint32_t entry) {
+    const std::size_t entries = ranks_.entriesAt(ranks_.anchor(entry));
+    const std::uint32_t rank = ranks_.use(entry);
+    if (entries > 1) streams_.ranks[rankIndexOf(stream)][rankContextOf(entries)].push_back(rank);
   }
 
   // Rows of the tile by their place in the matrix.
@@ -131,9 +148,8 @@ class Encoder {
       for (; first < end; ++first) {
         const std::uint16_t* parts = &grammar_.sum_parts[2 * (begin_.sum + first)];
         const std::uint32_t anchor = ranks_.anchor(parts[0]);
-        put(kSumAnchors, anchor - last), put(kSumRanks, ranks_.use(parts[0]));
-        put(kPartSteps, ranks_.stepBetween(anchor, ranks_.anchor(parts[1]))),
-            put(kPartRanks, ranks_.use(parts[1]));
+        put(kSumAnchors, anchor - last), putRank(kSumRanks, parts[0]);
+        put(kPartSteps, ranks_.stepBetween(anchor, ranks_.anchor(parts[1]))), putRank(kPartRanks, parts[1]);
         anchors.push_back(anchor);
         last = anchor;
       }
@@ -157,7 +173,7 @@ class Encoder {
         t == 0 ? put(kRowAnchors, signLast(static_cast<std::int64_t>(anchor) - last_row))
                : put(kTermSteps, ranks_.stepBetween(last, anchor));
         if (t == 0) last_row = anchor;
-        put(kTermRanks, ranks_.use(term));
+        putRank(kTermRanks, term);
         last = anchor;
       }
     }
@@ -167,17 +183,20 @@ class Encoder {
   SumTile begin_, end_;
   Ranks ranks_;
   Streams streams_;
+  ByRank<std::size_t> before_{};  // ranks of tiles before this one
 };
 
 // The count, then blocks of Draco's entropy coder.
-Bytes encodedStream(const std::vector<std::uint32_t>& values) {
-  draco::EncoderBuffer buffer;
+void encode(const std::vector<std::uint32_t>& values, draco::EncoderBuffer& buffer) {
   buffer.Encode(static_cast<std::uint64_t>(values.size()));
   for (std::size_t begin = 0; begin < values.size(); begin += kMostSymbols) {
     const std::size_t count = std::min(kMostSymbols, values.size() - begin);
     if (!draco::EncodeSymbols(values.data() + begin, static_cast<int>(count), 1, nullptr, &buffer))
       throw std::logic_error("symbols that cannot be coded");
   }
+}
+
+Bytes bytesOf(const draco::EncoderBuffer& buffer) {
   const auto bytes = std::as_bytes(std::span(buffer.data(), buffer.size()));
   return {bytes.begin(), bytes.end()};
 }
@@ -187,7 +206,15 @@ Bytes encodedStream(const std::vector<std::uint32_t>& values) {
 CodedSums encodeSums(const SumGrammar& grammar) {
   CodedSums coded{grammar.cube_side, grammar.local_side, grammar.subsamples, grammar.row_count, {}};
   const Streams streams = Encoder(grammar).encode();
-  for (int stream = 0; stream < kSumStreams; ++stream) coded.streams[stream] = encodedStream(streams[stream]);
+  for (int stream = 0; stream < kSumStreams; ++stream) {
+    draco::EncoderBuffer buffer;
+    if (std::find(kRankStreams.begin(), kRankStreams.end(), stream) == kRankStreams.end())
+      encode(streams.values[stream], buffer);
+    else
+      for (const auto& ranks : streams.ranks[rankIndexOf(static_cast<SumStream>(stream))])
+        encode(ranks, buffer);
+    coded.streams[stream] = bytesOf(buffer);
+  }
   return coded;
 }
 

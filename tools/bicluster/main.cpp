@@ -100,7 +100,7 @@ int main(int argc, char** argv) {
   std::filesystem::path transfer_path, out_path;
   Method method = Method::kSums;
   double tolerance = 0;
-  int least_uses = 2, rows_per_tile = 16384;
+  int least_uses = 2, rows_per_tile = 6144;
 
   stage::Tool tool(
       "bicluster",
