@@ -193,7 +193,7 @@ CompressedTransfer clusteredWithin(std::uint64_t budget, const RowClusters& rows
 }
 
 CompressedTransfer clusteredWithin(std::uint64_t budget, const formats::PixelCodes& codes,
-                                   std::span<const int> components_tried) {
+                                   std::span<const int> components_tried, int rounds) {
   // Of a weight and of an entry of a basis, most of which are 0, after coding, as found with bunnies.
   constexpr double kBytesOfWeight = 0.5, kBytesOfEntry = 0.12, kBytesOfCluster = 0.5;
   const double rows = static_cast<double>(codes.rowCount()),
@@ -205,7 +205,8 @@ CompressedTransfer clusteredWithin(std::uint64_t budget, const formats::PixelCod
         static_cast<double>(budget) - rows * (kBytesOfCluster + kBytesOfWeight * components);
     const int clusters =
         static_cast<int>(std::clamp(for_bases / (kBytesOfEntry * columns * (1 + components)), 1.0, 256.0));
-    Within found = within(budget, clusterRows(codes, {.clusters = clusters, .components = components}));
+    Within found = within(
+        budget, clusterRows(codes, {.clusters = clusters, .components = components, .rounds = rounds}));
     if (const double error = squaredError(codes, found.rows); error < least) {
       least = error;
       best = std::move(found);

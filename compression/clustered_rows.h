@@ -14,8 +14,8 @@ namespace bakelight::compression {
 CompressedTransfer clusteredWithin(std::uint64_t budget, const RowClusters& rows);
 
 // The same of the numbers of clusters and components that err least, among some that spend different shares of the budget on bases. Error is the mean square
-// of the matrix's entries. Cost: a clustering for each number that is tried.
+// of the matrix's entries. Cost: a clustering, of `rounds`, for each number that is tried.
 CompressedTransfer clusteredWithin(std::uint64_t budget, const formats::PixelCodes& codes,
-                                   std::span<const int> components_tried);
+                                   std::span<const int> components_tried, int rounds = 8);
 
 }  // namespace bakelight::compression

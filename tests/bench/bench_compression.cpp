@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -166,7 +167,14 @@ void atBytes(benchmark::State& state) {
     const auto budget = static_cast<std::uint64_t>(static_cast<double>(subject().sums->bytes) *
                                                    static_cast<double>(state.range(1)) / 100);
     const auto start = Clock::now();
-    const CompressedTransfer transfer = method.make(budget);
+    std::optional<CompressedTransfer> made;
+    try {
+      made = method.make(budget);
+    } catch (const std::invalid_argument& error) {
+      state.SkipWithError(error.what());
+      break;
+    }
+    const CompressedTransfer& transfer = *made;
     state.SetIterationTime(std::chrono::duration<double>(Clock::now() - start).count());
     state.SetLabel(transfer.parameters);
     state.counters["bytes" + suffix] = static_cast<double>(transfer.bytes);
