@@ -51,9 +51,9 @@ struct StorageMethod {
   std::string name, parameters;
   double share = 0;  // of the exact sums' bytes, that it was given; 0: as many as it takes
   std::uint64_t bytes = 0, operations = 0;
-  Spread product_ms;
-  std::vector<double> incident_errors;  // a view: relative RMS of L* over all rows, from exact rows
-  std::vector<double> picture_errors;   // a view: relative RMSE of the picture, from the reference
+  Spread product_ms = {};
+  std::vector<double> incident_errors = {};  // a view: relative RMS of L* over all rows, from exact rows
+  std::vector<double> picture_errors = {};   // a view: relative RMSE of the picture, from the reference
 };
 
 struct StorageFigures {

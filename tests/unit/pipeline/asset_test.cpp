@@ -115,6 +115,19 @@ TEST(Asset, UnknownKeysOfTheReportArePointedTo) {
   EXPECT_THAT(workshop.problems(), testing::ElementsAre(testing::HasSubstr("/report/varry")));
 }
 
+TEST(Asset, MayAskForItsReportWithEachRun) {
+  for (const bool asked : {false, true}) {
+    Workshop workshop;
+    nlohmann::json report = {{"vary", {"pack.name=a,b"}}};
+    if (asked) report["with_run"] = true;
+    workshop.writeAssetFile("cube", {{"mesh", "cube.obj"}, {"report", report}});
+    EXPECT_EQ(workshop.graph().assets.at(0).report_with_run, asked);
+  }
+  Workshop workshop;
+  workshop.writeAssetFile("cube", {{"mesh", "cube.obj"}, {"report", {{"with_run", "yes"}}}});
+  EXPECT_THAT(workshop.problems(), ElementsAre(HasSubstr("/report/with_run")));
+}
+
 TEST(Asset, AllMistakesAreReportedAtOnce) {
   Workshop workshop;
   workshop.writeAssetFile("cube", {{"mesh", "gone.obj"},
