@@ -234,10 +234,11 @@ int main(int argc, char** argv) {
     for (const NamedMaterial& each : named) {
       if (const formats::Patch& patch = *each.material->patch; !patch.hasSurface()) {
         if (!btf.tables.empty()) btfs.push_back({each.name, std::nullopt, measuredTable(each, btf)});
-        textures.push_back(readyMade(each, measured_path, options));
         progress.advance(options.views * options.views);
         stats.push_back(
             {{"material", each.name}, {"file", (patch.rtt.empty() ? patch.btf : patch.rtt).string()}});
+        if (rtt_path.empty() && !btf.tables.empty()) continue;  // tables alone need no texture
+        textures.push_back(readyMade(each, measured_path, options));
         view_dependence = std::max(view_dependence, rtt::viewDependence(textures.back()).from_head_on);
         continue;
       }
