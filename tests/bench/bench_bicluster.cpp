@@ -8,7 +8,7 @@
 // columns, by the faster of two kernels) ÷ (seconds of the sums), RGB, all cores (a millisecond's work, of which waking the others is a
 // part), medians of runs in turn; csr_speedup_one_core the same on one. bytes_moved_ratio: (bytes that
 // the product reads and writes ÷ the rate at which this machine reads memory) ÷ its seconds. The figures of the bunny at 3,286
-// vertices have no suffix. `greedy` is the published method: a minute at 3,286 vertices, on one core. `player`: the same products by
+// vertices have no suffix. `greedy` is the published method: ten seconds at 3,286 vertices, on one core. `player`: the same products by
 // the player's compute shaders on the GL driver that is there, waited for; gpu_csr_speedup as csr_speedup. `shading`: light changes of
 // transport::AllFrequencyShading, with the projection onto a Lambertian surface.
 #include <benchmark/benchmark.h>
