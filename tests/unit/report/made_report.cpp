@@ -135,7 +135,8 @@ Json MadeReport::addReferences(const std::string& name, const formats::Pack& pac
 
 Json& MadeReport::addVariant(const std::string& name, Json parameters, const formats::Pack& pack,
                              Json chain) {
-  const double order = pack.sh().order;
+  const auto* sh = pack.transfer.as<formats::ShTransfer>();
+  const double order = sh != nullptr ? sh->order : 1;
   json["variants"].push_back({{"name", name},
                               {"parameters", std::move(parameters)},
                               {"pack", addPack("pack" + std::to_string(json["variants"].size()), pack)},
