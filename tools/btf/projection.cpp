@@ -45,21 +45,31 @@ std::vector<Light> quadratureLights(const ProjectionOptions& options) {
   return lights;
 }
 
-// Of each cell: places of a Gauss rule in its square, as rtt has them; every point of it has the same solid angle.
+// Of each cell: places of a Gauss rule in its square, as rtt has them; every point of it has the same solid angle. Their cosines are scaled to the cell's
+// mean, so that a Lambertian is exact.
 std::vector<Light> cellLights(const GridLights& grid) {
-  const auto side = static_cast<std::size_t>(grid.lights);
+  const int side = grid.lights;
+  const std::vector<transport::QuadratureNode> nodes = transport::gaussLegendreRule(grid.light_samples);
   std::vector<Light> lights;
-  for (std::size_t cell = 0; cell < side * side; ++cell)
-    for (const auto& up : transport::gaussLegendreRule(grid.light_samples))
-      for (const auto& across : transport::gaussLegendreRule(grid.light_samples)) {
-        const auto at = [&](std::size_t place, double node) {
-          return (static_cast<double>(place) + (1 + node) / 2) / grid.lights;
-        };
-        Light light{transport::hemisphereFromSquare(at(cell % side, across.x), at(cell / side, up.x)),
-                    std::vector<double>(side * side, 0.0)};
-        light.weights[cell] = up.weight * across.weight / 4 * light.direction.z();
-        lights.push_back(std::move(light));
-      }
+  for (int row = 0; row < side; ++row)
+    for (int column = 0; column < side; ++column) {
+      const auto at = [side](int place, double node) { return (place + (1 + node) / 2) / side; };
+      const auto cell =
+          static_cast<std::size_t>(row) * static_cast<std::size_t>(side) + static_cast<std::size_t>(column);
+      const std::size_t first = lights.size();
+      double sum = 0;
+      for (const auto& up : nodes)
+        for (const auto& across : nodes) {
+          Light light{
+              transport::hemisphereFromSquare(at(column, across.x), at(row, up.x)),
+              std::vector<double>(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), 0.0)};
+          light.weights[cell] = up.weight * across.weight / 4 * light.direction.z();
+          sum += light.weights[cell];
+          lights.push_back(std::move(light));
+        }
+      const double mean = transport::hemisphereCellCosine(side, column, row);
+      for (std::size_t i = first; i < lights.size(); ++i) lights[i].weights[cell] *= mean / sum;
+    }
   return lights;
 }
 

@@ -86,7 +86,7 @@ TEST(Resampling, GivesTheMeanOverCellsOfLight) {
         ASSERT_NEAR(
             flat[at(view, 1, color, cell)],
             0.6 / kPi * 1.5 * std::pow(0.5, color) * transport::hemisphereCellCosine(4, cell % 4, cell / 4),
-            2e-3)
+            1e-5)
             << view << ' ' << cell;
 
   const Reflectance lobe = [](const Vec3& light, const Vec3& view) {

@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "formats/error.h"
 #include "formats/mesh_ply.h"
 #include "tests/support/made_pixel_pack.h"
 #include "tests/support/shapes.h"
+#include "tests/support/temporary_folder.h"
 #include "tools/pack/packing.h"
 #include "transport/hemisphere_grid.h"
 
@@ -103,6 +105,29 @@ TEST(BtfPacking, MultipliesCosinesInWhereThereAreNone) {
               valueOf(2, 7, 3, 1) * transport::hemisphereCellCosine(kLights, 3, 1), 1e-5);
 }
 
+// [view][texel][color][cell], of a material with a name that a path could not have.
+TEST(BtfPacking, TakesTablesAsTheyAreWritten) {
+  const BtfSamples samples = samplesOf(*madeBtfFile());
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "btfs.safetensors";
+  formats::BtfTableWriter writer(path, {{"", 1, 1, 1, 1}, {"a/b", kViews, kLights, kWidth, kHeight}});
+  const std::span<const float> values(samples.values);
+  writer.append("a/b", values.first(100));
+  writer.append("", std::vector<float>{1, 2, 3});
+  writer.append("a/b", values.subspan(100));
+  writer.finish();
+  const std::vector<formats::BtfTable> tables = formats::readBtfTables(path);
+  ASSERT_EQ(tables.size(), 2U);
+  EXPECT_EQ(tables[0].valuesOf(0), (std::vector<float>{1, 2, 3}));
+  EXPECT_EQ(tables[1].material, "a/b");
+  const BtfSamples read = samplesOf(tables[1]);
+  EXPECT_EQ(read.views, kViews);
+  EXPECT_EQ(read.lights, kLights);
+  ASSERT_EQ(read.values.size(), samples.values.size());
+  for (std::size_t i = 0; i < read.values.size(); ++i)
+    ASSERT_NEAR(read.values[i], samples.values[i], 1e-3) << i;
+}
+
 std::string messageOf(const std::function<void()>& action) {
   try {
     action();
@@ -184,6 +209,38 @@ TEST(PixelPack, IsMadeOfTransferAndBtf) {
   EXPECT_EQ(json.at(0).at("stored_bytes"), figures[0].stored_bytes);
   EXPECT_NEAR(json.at(0).at("storage_ratio").at("float16").get<double>(),
               2.0 * 4 * 8 * 16 * 3 / static_cast<double>(figures[0].stored_bytes), 1e-9);
+}
+
+// Two materials of a mesh, a table each.
+TEST(PixelPack, HasABtfForEachMaterial) {
+  TriangleMesh mesh = texturedBall();
+  mesh.material_names = {"wall", "roof"};
+  mesh.triangle_materials.assign(mesh.triangleCount(), 0);
+  mesh.triangle_materials.front() = 1;
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "btfs.safetensors";
+  formats::BtfTableWriter writer(path, {{"roof", 1, 4, 1, 1}, {"wall", 1, 4, 2, 1}});
+  writer.append("roof", std::vector<float>(48, 0.5F));
+  writer.append("wall", std::vector<float>(96, 0.25F));
+  writer.finish();
+  PatchSources patches;
+  for (const formats::BtfTable& table : formats::readBtfTables(path))
+    patches.tables.emplace(table.material, table);
+  patches.own_materials = {"wall", "roof"};
+  PackingOptions options;
+  options.material.reflections.assign(2, formats::Lambert{});
+  options.material.names = mesh.material_names;
+  options.material.of_triangle.assign(mesh.triangle_materials.begin(), mesh.triangle_materials.end());
+  std::vector<TextureFigures> figures;
+  const formats::Pack pack =
+      assemblePack(mesh, transferFile(mesh), nullptr, options, {"mesh", "transfer", ""}, patches, &figures);
+  ASSERT_EQ(pack.appearances.size(), 2U);
+  for (const formats::Appearance& appearance : pack.appearances) {
+    const auto* btf = appearance.reflection.as<formats::BtfReflection>();
+    ASSERT_NE(btf, nullptr);
+    EXPECT_EQ(btf->width, appearance.material == "wall" ? 2 : 1);
+  }
+  EXPECT_EQ(figures.size(), 2U);
 }
 
 // Heights of the texture of the same run; a texture alone is for the other basis, and is not dropped without a word.

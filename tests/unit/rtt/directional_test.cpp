@@ -10,6 +10,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "formats/btf_table.h"
 #include "formats/json.h"
 #include "formats/radiance_transfer_texture.h"
 #include "tests/support/patches.h"
