@@ -1,10 +1,12 @@
 #include <draco/compression/entropy/symbol_decoding.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <exception>
 #include <functional>
 #include <span>
+#include <system_error>
+#include <thread>
 #include <vector>
 
 #include "formats/error.h"
@@ -35,19 +37,28 @@ std::int64_t fromSignLast(std::uint32_t value) {
   return value % 2 == 1 ? -static_cast<std::int64_t>(value / 2) - 1 : value / 2;
 }
 
-// All of them, and the first error there is in order, whoever finds one first.
+// All of them, and the first error there is in order, whoever finds one first. With the standard library's threads: who links the
+// reader of packs alone needs no other library.
 void forAll(std::size_t count, const std::function<void(std::size_t)>& work) {
   std::vector<std::exception_ptr> errors(count);
-  tbb::parallel_for(
-      std::size_t{0}, count,
-      [&](std::size_t i) {
-        try {
-          work(i);
-        } catch (...) {
-          errors[i] = std::current_exception();
-        }
-      },
-      tbb::simple_partitioner());
+  std::atomic<std::size_t> next = 0;
+  const auto serve = [&] {
+    for (std::size_t i = next++; i < count; i = next++) try {
+        work(i);
+      } catch (...) {
+        errors[i] = std::current_exception();
+      }
+  };
+  {
+    std::vector<std::jthread> others;
+    const std::size_t workers = std::min<std::size_t>(count, std::thread::hardware_concurrency());
+    try {
+      while (others.size() + 1 < workers) others.emplace_back(serve);
+    } catch (const std::system_error&) {
+      // As many as there could be.
+    }
+    serve();
+  }
   for (const std::exception_ptr& error : errors)
     if (error) std::rethrow_exception(error);
 }

@@ -158,8 +158,8 @@ PackedBtf packBtf(const BtfSamples& samples, int local_side, const BtfPackingOpt
       static_cast<float>(std::sqrt(made.error * made.error + (made.total > 0 ? lost / made.total : 0)));
   patch.basis = std::move(made.basis);
   packed.stored_bytes += patch.basis.size() * sizeof(float);
-  patch.storage_ratio =
-      static_cast<float>(2 * static_cast<double>(packed.value_count) / static_cast<double>(packed.stored_bytes));
+  patch.storage_ratio = static_cast<float>(2 * static_cast<double>(packed.value_count) /
+                                           static_cast<double>(packed.stored_bytes));
   return packed;
 }
 

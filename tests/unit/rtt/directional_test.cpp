@@ -203,11 +203,12 @@ TEST_F(RttToolTest, WritesBtfsOfAllMaterials) {
   const std::string tables = path("btfs.safetensors");
   ASSERT_EQ(run(stucco, "--btf-lights 4 --btf-layout raw").status, 0);
   const auto alone = formats::openBtf(path("patch.btf"));
-  const auto runBoth = [&](const formats::Json& material, const std::string& options) {
+  const auto runBoth = [&](const formats::Json& material, const std::string& options,
+                           const std::string& lights = "4") {
     std::ofstream(folder_ / "material.json") << material;
     return tests::shell(std::string(BAKELIGHT_BIN_DIR) + "/rtt --material '" + path("material.json") +
-                        "' --progress none --resolution 8 --elements 8 --views 2 --btf-lights 4 --btfs '" +
-                        tables + "' --stats '" + path("stats.json") + "' " + options);
+                        "' --progress none --resolution 8 --elements 8 --views 2 --btf-lights " + lights +
+                        " --btfs '" + tables + "' --stats '" + path("stats.json") + "' " + options);
   };
   const tests::ShellOutcome both = runBoth({{"material", dents_}, {"materials", {{"wall", stucco}}}}, "");
   ASSERT_EQ(both.status, 0) << both.output;
@@ -243,7 +244,7 @@ TEST_F(RttToolTest, WritesBtfsOfAllMaterials) {
   ASSERT_EQ(again.size(), 2U);
   EXPECT_EQ(again[1].valuesOf(3), written[1].valuesOf(3));
   const tests::ShellOutcome other =
-      runBoth(measured, "--btf-lights 2 --measured-btfs '" + path("measured.safetensors") + "'");
+      runBoth(measured, "--measured-btfs '" + path("measured.safetensors") + "'", "2");
   EXPECT_EQ(other.status, 2);
   EXPECT_NE(other.output.find("btf_lights"), std::string::npos) << other.output;
 }
