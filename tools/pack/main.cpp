@@ -7,6 +7,7 @@
 #include "formats/pack.h"
 #include "formats/patch_albedo.h"
 #include "formats/tensors.h"
+#include "formats/words.h"
 #include "tools/pack/packing.h"
 #include "tools/pack/report.h"
 #include "tools/pack/transfer_reader.h"
@@ -20,6 +21,16 @@ constexpr const char* kReflectionNow =
     R"(a material: in asset.json "material": { "reflection": { "model": "ggx", "roughness": 0.3, )"
     R"("specular_color": [0.2, 0.2, 0.2] } })";
 
+// Whether materials wear their patches.
+enum class Patches { kWorn, kNone };
+constexpr formats::Word<Patches> kPatches[] = {{"worn", Patches::kWorn}, {"none", Patches::kNone}};
+
+formats::Materials withoutPatches(formats::Materials materials) {
+  materials.base.patch.reset();
+  for (auto& [name, material] : materials.by_name) material.patch.reset();
+  return materials;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -27,6 +38,7 @@ int main(int argc, char** argv) {
       id_map_path, pack_path;
   packing::PackingOptions options;
   formats::PackOptions file_options;
+  Patches worn = Patches::kWorn;
 
   stage::Tool tool("pack", "Puts a mesh and its baked transfer together as one pack, a binary glTF file.");
   tool.input("mesh", "mesh", mesh_path, "PLY mesh that the transfer was baked for")
@@ -68,6 +80,8 @@ int main(int argc, char** argv) {
                  "Numbers of BTFs' factors as they are played")
       .parameter("crease_angle", options.crease_angle, {0, 180}, "degrees",
                  "Pixel basis: corners whose frames differ by more are not interpolated between")
+      .parameter("patches", worn, kPatches,
+                 "none: surfaces are smooth, whatever patches their materials have")
       .parameter("draco", file_options.draco, "Compress the mesh with Draco, for distribution")
       .parameter("position_bits", file_options.position_bits, {0, 30}, "bits",
                  "With draco: quantise positions to 8 to 30 bits an axis; 0 keeps them exact")
@@ -87,6 +101,7 @@ int main(int argc, char** argv) {
     if (!rtt_path.empty() || !btf_path.empty() || !btfs_path.empty())
       patches = packing::readPatchSources(rtt_path, id_map_path);
     formats::Materials materials = formats::readMaterialsOrDefault(material_path);
+    if (worn == Patches::kNone) materials = withoutPatches(std::move(materials));
     for (const std::string& name : formats::translucentMaterials(materials))
       run.warn("the medium of " + (name.empty() ? "the asset's own material" : "\"" + name + "\"") +
                " is left out: packs have none, and show its albedo as diffuse reflection");

@@ -177,9 +177,9 @@ TEST(EveryFieldOfAPixelPack, IsComparedWrittenAndReadAndFollowsItsVertex) {
       EXPECT_TRUE(comparePacks(roundTrip(pack, {}), pack, {}).passes());
       tested.insert(name);
     }
-  EXPECT_EQ(tested,
-            (std::set<std::string>{"creaseAngle", "tangents", "blocks", "columns", "codes", "error",
-                                   "patchWidth", "factors", "basis", "heights", "repeats", "places"}));
+  EXPECT_EQ(tested, (std::set<std::string>{"creaseAngle", "tangents", "blocks", "columns", "codes", "error",
+                                           "storageRatio", "patchWidth", "factors", "basis", "heights",
+                                           "repeats", "places"}));
 
   const Pack read = roundTrip(source, {.draco = true});
   const auto& mine = *read.transfer.as<PixelTransfer>();
