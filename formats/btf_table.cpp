@@ -53,7 +53,7 @@ std::vector<BtfTable> readBtfTables(const std::filesystem::path& path) {
   std::vector<BtfTable> tables;
   for (const auto& [name, tensor] : file.tensors) {
     if (name != kOwn && !name.starts_with(kNamed)) continue;
-    const auto error = [&](const std::string& what, const std::string& expected) {
+    const auto error = [&, &name = name](const std::string& what, const std::string& expected) {
       return badInput({path.string(), "tensor " + name, ""}, what, expected,
                       "make it by rtt or btf of this version");
     };

@@ -13,7 +13,7 @@ void describeCode(FieldVisitor& fields, PatchCode& code) {
   fields.number("step", code.step, {.least = 0, .above = true});
   choose(fields, "precision", code.precision, kPrecisions);
   fields.integers("factorCode", code.factors, code.factors.count());
-  optionally(fields, "relief", code.relief, [&](PatchCode::Relief& relief) {
+  optionally(fields, "relief", code.relief, [&](ReliefCode& relief) {
     fields.number("step", relief.step, {.least = 0, .above = true});
     fields.integers("heightCode", relief.heights, relief.heights.count());
   });

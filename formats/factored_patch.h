@@ -23,16 +23,16 @@ struct RttLevel {
 std::vector<RttLevel> rttLevels(int width, int height);
 std::size_t rttTexelCount(const std::vector<RttLevel>& levels);  // of all
 
+struct ReliefCode {
+  float step = 0;
+  IntegerArray heights{1, {}};
+};
 // What a pack stores in place of factors and heights (formats/patch_code.h).
 struct PatchCode {
   float step = 0;                             // between levels of coefficients
   Precision precision = Precision::kFloat16;  // of the factors that are made of it
   IntegerArray factors{1, {}};
-  struct Relief {
-    float step = 0;
-    IntegerArray heights{1, {}};
-  };
-  std::optional<Relief> relief;
+  std::optional<ReliefCode> relief;
 };
 
 // Radiance of place q towards view v = Σ_k factors_k(q, v) · Σ_i basis_k,i · incident_i, of each color: by principal components, so that

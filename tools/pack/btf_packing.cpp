@@ -64,7 +64,7 @@ formats::PatchCode codeOf(const Factored& made, const std::vector<float>& height
   const formats::PatchEncoder relief(heights, {btf.width, btf.height, btf.views, 1});
   const double least = kHeightError / btf.width;
   const float step = relief.stepFor(least * least * static_cast<double>(heights.size()));
-  code.relief = formats::PatchCode::Relief{step, arrayOf(relief.encode(step))};
+  code.relief = formats::ReliefCode{step, arrayOf(relief.encode(step))};
   return code;
 }
 

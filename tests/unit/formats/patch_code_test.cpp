@@ -108,7 +108,7 @@ TEST(PatchCode, BecomesFactorsAndHeightsOfAllLevels) {
   const PatchValuesShape shape{12, 6, 2, 3}, one{12, 6, 2, 1};
   btf.code.emplace().step = 1e-3F;
   btf.code->factors.data = PatchEncoder(madeValues(shape), shape).encode(1e-3F);
-  btf.code->relief = PatchCode::Relief{2e-3F, {1, PatchEncoder(madeValues(one), one).encode(2e-3F)}};
+  btf.code->relief = ReliefCode{2e-3F, {1, PatchEncoder(madeValues(one), one).encode(2e-3F)}};
   for (const Precision precision : {Precision::kFloat16, Precision::kUint8}) {
     btf.code->precision = precision;
     expandPatch(btf, "made");
