@@ -127,6 +127,7 @@ std::optional<Subsurface::Entry> Subsurface::alongLine(const Vec3& position, con
     const Rgb weight =
         reflectance((place - position).norm()) / density(position, axes, place, normalOf(hit.triangle));
     const double power = weight.sum();
+    if (!(power > 0)) continue;  // too far for any number
     total += power;
     // One of all, by its power, without keeping them: of two the second with its share of what is left of the number.
     const double share = power / total;

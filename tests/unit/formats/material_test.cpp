@@ -32,6 +32,20 @@ std::string problemWith(const std::string& text) {
   return "no error";
 }
 
+// Of files that nobody looks at.
+Materials unresolved(const std::string& text) {
+  return materialsFromJson(parseJson(text, "m.json"), "m.json", "",
+                           [](const std::string& name, const ErrorPlace&) { return name; });
+}
+std::string unresolvedProblem(const std::string& text) {
+  try {
+    unresolved(text);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
 TEST(Material, SaysNothingWhereNothingIsSaid) {
   const Material material = parsed("{}").base;
   EXPECT_FALSE(material.albedo.has_value());
@@ -71,38 +85,27 @@ TEST(Material, HasAPatch) {
 }
 
 TEST(Material, PatchMayBeASurface) {
-  const FileResolver any = [](const std::string& name, const ErrorPlace&) { return name; };
-  const auto materialsOf = [&](const std::string& text) {
-    return materialsFromJson(parseJson(text, "m.json"), "m.json", "", any);
-  };
-  const Materials heights = materialsOf(
+  const Materials heights = unresolved(
       R"({ "patch": { "height": { "file": "h.png", "depth": 0.2 }, "texture": { "file": "t.png" } } })");
   const Patch& patch = *heights.base.patch;
   EXPECT_TRUE(patch.hasSurface());
   EXPECT_TRUE(patch.file.empty());
   EXPECT_EQ(patch.height, (PatchHeight{"h.png", 0.2}));
   EXPECT_EQ(patch.texture, "t.png");
-  const Materials mesh = materialsOf(
+  const Materials mesh = unresolved(
       R"({ "patch": { "geometry": { "file": "w.ply", "up": "y", "period": [2, 3] }, "albedo": [1, 0, 0.5] } })");
   EXPECT_EQ(mesh.base.patch->geometry, (PatchMesh{"w.ply", PatchMesh::Up::kY, std::array{2.0, 3.0}}));
   for (const Materials& each : {heights, mesh})
-    EXPECT_EQ(materialsFromJson(toJson(each), "m.json", "", any).base.patch, each.base.patch);
+    EXPECT_EQ(unresolved(toJson(each).dump()).base.patch, each.base.patch);
 
-  const auto problemOf = [&](const std::string& text) -> std::string {
-    try {
-      materialsOf(text);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_THAT(problemOf(R"({ "patch": { "geometry": { "file": "w.ply" }, "height": { "file": "h.png" } } })"),
-              HasSubstr("/patch/geometry"));
-  EXPECT_THAT(problemOf(R"({ "patch": { "geometry": { "file": "w.ply", "period": [0, 1] } } })"),
+  EXPECT_THAT(
+      unresolvedProblem(R"({ "patch": { "geometry": { "file": "w.ply" }, "height": { "file": "h.png" } } })"),
+      HasSubstr("/patch/geometry"));
+  EXPECT_THAT(unresolvedProblem(R"({ "patch": { "geometry": { "file": "w.ply", "period": [0, 1] } } })"),
               HasSubstr("/patch/geometry/period/0"));
-  EXPECT_THAT(problemOf(R"({ "patch": { "albedo": [1, 1, 1] } })"),
+  EXPECT_THAT(unresolvedProblem(R"({ "patch": { "albedo": [1, 1, 1] } })"),
               HasSubstr("neither a picture nor a surface"));
-  EXPECT_TRUE(materialsOf(R"({ "patch": { "file": "w.png" } })").base.patch->hasSurface());  // a flat one
+  EXPECT_TRUE(unresolved(R"({ "patch": { "file": "w.png" } })").base.patch->hasSurface());  // a flat one
 }
 
 TEST(Material, MayBeTranslucent) {
@@ -128,30 +131,18 @@ TEST(Material, MayBeTranslucent) {
 }
 
 TEST(Material, PatchMayBeMeasured) {
-  const FileResolver any = [](const std::string& name, const ErrorPlace&) { return "/there/" + name; };
-  const auto materialsOf = [&](const std::string& text) {
-    return materialsFromJson(parseJson(text, "m.json"), "m.json", "", any);
-  };
-  const Materials measured = materialsOf(R"({ "patch": { "btf": { "file": "wool.btf" }, "width": 0.5 } })");
+  const Materials measured = unresolved(R"({ "patch": { "btf": { "file": "wool.btf" }, "width": 0.5 } })");
   const Patch& patch = *measured.base.patch;
-  EXPECT_EQ(patch.btf, "/there/wool.btf");
+  EXPECT_EQ(patch.btf, "wool.btf");
   EXPECT_EQ(patch.width, 0.5);
   EXPECT_FALSE(patch.hasSurface());
-  const FileResolver same = [](const std::string& name, const ErrorPlace&) { return name; };
-  EXPECT_EQ(materialsFromJson(toJson(measured), "m.json", "", same).base.patch, measured.base.patch);
-  const auto problemOf = [&](const std::string& text) -> std::string {
-    try {
-      materialsOf(text);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_THAT(problemOf(R"({ "patch": { "btf": { "file": "w.btf" }, "height": { "file": "h.png" } } })"),
+  EXPECT_EQ(unresolved(toJson(measured).dump()).base.patch, measured.base.patch);
+  EXPECT_THAT(
+      unresolvedProblem(R"({ "patch": { "btf": { "file": "w.btf" }, "height": { "file": "h.png" } } })"),
+      HasSubstr("/patch/"));
+  EXPECT_THAT(unresolvedProblem(R"({ "patch": { "btf": { "file": "w.btf" }, "rtt": { "file": "r.exr" } } })"),
               HasSubstr("/patch/"));
-  EXPECT_THAT(problemOf(R"({ "patch": { "btf": { "file": "w.btf" }, "rtt": { "file": "r.exr" } } })"),
-              HasSubstr("/patch/"));
-  EXPECT_THAT(problemOf(R"({ "patch": { "btf": {} } })"), HasSubstr("/patch/btf"));
+  EXPECT_THAT(unresolvedProblem(R"({ "patch": { "btf": {} } })"), HasSubstr("/patch/btf"));
 }
 
 TEST(Material, OfSomeFacesHasAName) {

@@ -86,6 +86,25 @@ TEST(Subsurface, LightStaysInItsMedium) {
   expectMean(means, Rgb::Constant(expected), 0.05);
 }
 
+// Lines meet the ceiling first, from where so little comes that no number holds it.
+TEST(Subsurface, PlacesOutOfReachDoNotHideNearOnes) {
+  const formats::Medium medium{{2, 2, 2}, {0.5F, 0.5F, 0.5F}, 1.3, 100, {}};
+  TriangleMesh mesh = floorSquare(1);
+  for (const Vec3& corner :
+       {Vec3(-0.1, 5, 0.1), Vec3(0.1, 5, 0.1), Vec3(0.1, 5, -0.1), Vec3(-0.1, 5, -0.1)}) {
+    mesh.positions.push_back(float3(corner));
+    mesh.normals.push_back({0, 1, 0});
+  }
+  mesh.triangles.push_back({4, 5, 6});
+  mesh.triangles.push_back({4, 6, 7});
+  const Scene scene = sceneOf(translucent(mesh, medium), uniformRig());
+  const auto means =
+      estimate(scene, {.transport = Transport::kShadowed}, middleOf(scene), Vec3::UnitY(), 400);
+  const double expected = enteredOfUniformSky(1.3) * reflectanceOf(medium, 0).total() *
+                          transport::schlickTransmittance(1, 1.3) / kPi;
+  expectMean(means, Rgb::Constant(expected), 0.05);
+}
+
 // Through a ball, from all sides: a quadrature over its surface.
 TEST(Subsurface, ThroughABallIsTheIntegralOverItsSurface) {
   const TriangleMesh ball = icosphere(3);
