@@ -8,6 +8,7 @@
 #include "formats/btf_reflection.h"
 #include "formats/pixel_transfer.h"
 #include "formats/rtt_reflection.h"
+#include "formats/translucency.h"
 
 namespace bakelight::formats {
 namespace {
@@ -171,7 +172,8 @@ PackPartKinds& transferKinds() {
 PackPartKinds& reflectionKinds() {
   static PackPartKinds kinds = {PackPartKind::of<LambertReflection>(), PackPartKind::of<PhongLobe>(),
                                 PackPartKind::of<GgxLobe>(),           PackPartKind::of<BrdfTable>(),
-                                PackPartKind::of<RttReflection>(),     PackPartKind::of<BtfReflection>()};
+                                PackPartKind::of<RttReflection>(),     PackPartKind::of<BtfReflection>(),
+                                PackPartKind::of<Translucency>()};
   return kinds;
 }
 

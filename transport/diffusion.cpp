@@ -153,6 +153,20 @@ double DiffuseReflectance::frequencyResponse(double wavenumber) const {
   return 2 * kPi * sum;
 }
 
+double DiffuseReflectance::bandLimited(double distance, double spacing) const {
+  // ∫ R̂(k) W(k) J₀(kr) k dk / 2π, W falling as a raised cosine, whose own transform is nearly nothing at all grid points but 0.
+  static const std::vector<QuadratureNode> rule = gaussLegendreRule(96);
+  const double nyquist = kPi / spacing;
+  double sum = 0;
+  for (const QuadratureNode& node : rule) {
+    const double k = 0.75 * nyquist * (node.x + 1), share = k / nyquist;
+    const double window = share < 0.5 ? 1 : (1 + std::cos(kPi * (share - 0.5))) / 2;
+    sum +=
+        0.75 * nyquist * node.weight * window * frequencyResponse(k) * std::cyl_bessel_j(0, k * distance) * k;
+  }
+  return sum / (2 * kPi);
+}
+
 double DiffuseReflectance::radiusFor(double share) const {
   const double all = total(), target = (1 - share) * all;
   double high = 0;

@@ -29,6 +29,9 @@ constexpr double kWorkingDiagonal = 1000;
 constexpr double kMinCreaseSides = 5;
 // Edges longer than this many of those sides are split before decimation.
 constexpr double kMaxEdgeSides = 2;
+// Refined so far that decimation has some to choose from.
+constexpr double kRefinedEdgeSides = 1;
+constexpr std::int64_t kRefinedSplits = 4;
 // One in so many triangles is left for the places that fit worst after the first half of the relaxation.
 constexpr std::size_t kReserveDivisor = 100;
 constexpr std::size_t kDeviationSamples = 100'000;
@@ -80,7 +83,10 @@ WorkingMesh reduce(const SurfaceQuery& original, const SimplifyOptions& options,
                    stage::Stopwatch& watch) {
   CornerMesh mesh(original.mesh());
   const double side = equilateralSide(area(original.mesh()) / options.triangles);
-  if (options.relax_rounds > 0) report.splits = splitLongEdges(mesh, kMaxEdgeSides * side, options.triangles);
+  if (options.refine)
+    report.splits = splitLongEdges(mesh, kRefinedEdgeSides * side, kRefinedSplits * std::int64_t{options.triangles});
+  else if (options.relax_rounds > 0)
+    report.splits = splitLongEdges(mesh, kMaxEdgeSides * side, options.triangles);
   const FeatureCounts features = markFeatures(mesh, options.crease_angle_deg, kMinCreaseSides * side);
   report.crease_edges = features.crease_edges;
   report.material_edges = features.material_edges;
@@ -178,7 +184,8 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
   report.angles_in = angleQuality(mesh);
   report.area_in = area(mesh) * unit * unit;
   report.volume_in = volume(mesh) * unit * unit * unit;
-  if (mesh.triangles.size() > static_cast<std::size_t>(one_sided.triangles)) {
+  const auto wanted = static_cast<std::size_t>(one_sided.triangles);
+  if (mesh.triangles.size() > wanted || (one_sided.refine && mesh.triangles.size() < wanted)) {
     const SurfaceQuery original(std::move(mesh));
     mesh = reduce(original, one_sided, report, watch);
     if (!input.texcoords.empty())

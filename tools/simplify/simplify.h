@@ -20,6 +20,7 @@ namespace bakelight::simplify {
 
 struct SimplifyOptions {
   int triangles = 20000;         // target, ≥ 4; a mesh with no more is repaired but not decimated
+  bool refine = false;           // a mesh with fewer gets that many, too: its surface stays as it is
   double weld_tolerance = 1e-7;  // ÷ bounding-box diagonal (of the bulk); 0: only exactly coincident vertices
   double crease_angle_deg = 80;  // edges sharper than this keep their place and are shaded flat
   int relax_rounds = 8;          // 0: no flips, moves or fit

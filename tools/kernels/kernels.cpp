@@ -1,0 +1,133 @@
+#include "tools/kernels/kernels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "formats/error.h"
+#include "tools/kernels/compression.h"
+#include "tools/stage/stopwatch.h"
+
+namespace bakelight::kernels {
+namespace {
+
+using formats::EncodedTable;
+using formats::encodeTable;
+using formats::Precision;
+
+// What the tables hold cannot be wrong but by a fault of ours.
+EncodedTable table(const std::vector<float>& values, std::size_t columns, Precision precision,
+                   const char* what) {
+  return encodeTable(values, columns, precision, "kernels", what);
+}
+
+formats::SparseRows encoded(const Matrix& matrix, float scale, Precision precision, const char* what) {
+  std::vector<float> values = matrix.values;
+  for (float& value : values) value *= scale;
+  return {formats::integersOf(matrix.ends), formats::integersOf(matrix.columns),
+          table(values, matrix.value_columns, precision, what)};
+}
+
+double diagonalOf(const Knots& knots) {
+  Vec3 low = knots.positions.front(), high = low;
+  for (const Vec3& p : knots.positions) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  return (high - low).norm();
+}
+
+void takeTexels(const Texels& texels, const Knots& knots, const Blending& blending,
+                formats::Translucency& result) {
+  result.resolution = texels.resolution;
+  result.texels = formats::integersOf(texels.places);
+  std::vector<std::uint32_t> corners;
+  std::vector<float> weights, normals, areas, given;
+  for (std::size_t i = 0; i < texels.count(); ++i) {
+    const auto& t = knots.triangles[texels.triangles[i]];
+    corners.insert(corners.end(), t.begin(), t.end());
+    weights.insert(weights.end(), {texels.weights[i][1], texels.weights[i][2]});
+    normals.insert(normals.end(), texels.normals[i].data(), texels.normals[i].data() + 3);
+    areas.push_back(texels.areas[i] / result.area_unit);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Rgb value = texels.areas[i] * blending.densities[i][c];
+      given.insert(given.end(), value.data(), value.data() + 3);
+    }
+  }
+  result.texel_knots = formats::integersOf(corners);
+  result.texel_weights = table(weights, 2, Precision::kFloat32, "texelWeights");
+  result.normals = table(normals, 3, Precision::kFloat16, "normals");
+  result.areas = table(areas, 1, Precision::kFloat32, "areas");
+  result.blend = table(given, 9, Precision::kFloat16, "blend");
+  result.receivers = formats::integersOf(blending.receivers);
+}
+
+}  // namespace
+
+Made makeTranslucency(const formats::TriangleMesh& mesh, const std::filesystem::path& maps,
+                      const formats::Medium& medium, const Options& options, stage::ProgressStyle style) {
+  Made made;
+  formats::Translucency& result = made.translucency;
+  Figures& figures = made.figures;
+
+  stage::Stopwatch watch(figures.seconds);
+  const Knots knots = knotsOf(mesh);
+  const Texels texels = texelsOf(maps, mesh, knots);
+  const auto colors = reflectanceOf(medium);
+  const auto [least, greatest] = std::minmax_element(texels.sides.begin(), texels.sides.end());
+  const Reflectance reflectance(colors, diagonalOf(knots) * 1.001, static_cast<double>(*least),
+                                static_cast<double>(*greatest));
+
+  watch.lap("prepare");
+  const Throughput throughput(knots, reflectance, options.factors);
+  watch.lap("factors");
+
+  stage::Progress progress(style, "kernels", 2 * mesh.triangles.size(), "triangles");
+  const Blending blending =
+      blend(knots, texels, reflectance, throughput, [&](std::size_t count) { progress.advance(count); });
+  watch.lap("blend");
+
+  const double mean_area = std::max(knots.meanSpacing() * knots.meanSpacing(), 1e-300);
+  result.area_unit = static_cast<float>(mean_area);
+  result.eta = static_cast<float>(medium.eta);
+  result.knot_count = static_cast<int>(knots.count());
+  result.knots = knots.of_vertex;
+  takeTexels(texels, knots, blending, result);
+
+  const std::size_t values = std::size_t{3} * formats::kKernelTexels;
+  const CompressedKernels compressed = options.kernel_error > 0
+                                           ? compress(blending.kernels, values, options.kernel_error)
+                                           : CompressedKernels();
+  result.components = compressed.components;
+  result.basis = compressed.basis;
+  result.kernels = compressed.components > 0
+                       ? table(compressed.weights, static_cast<std::size_t>(compressed.components),
+                               Precision::kFloat16, "kernels")
+                       : table(blending.kernels, values, Precision::kFloat16, "kernels");
+  watch.lap("compress");
+
+  result.sharpen = encoded(sharpeningOf(knots), 1, Precision::kFloat32, "sharpen");
+  result.near = encoded(throughput.near(), result.area_unit, Precision::kFloat16, "near");
+  result.far_count = static_cast<int>(throughput.farCount());
+  result.spread = encoded(throughput.spread(), 1, Precision::kFloat16, "spread");
+  result.far = encoded(throughput.far(), result.area_unit, Precision::kFloat16, "far");
+
+  figures.knots = knots.count();
+  figures.far_knots = throughput.farCount();
+  figures.triangles = mesh.triangles.size();
+  figures.texels = texels.count();
+  figures.receivers = blending.receivers.size();
+  figures.near_entries = throughput.near().columns.size();
+  double side = 0;
+  for (const float s : texels.sides) side += static_cast<double>(s) / static_cast<double>(texels.count());
+  figures.texels_per_spacing = knots.meanSpacing() / side;
+  double path = 1e300;
+  for (std::size_t c = 0; c < 3; ++c)
+    path = std::min(path, 1 / ((medium.reduced_scattering[c] + medium.absorption[c]) * medium.unit_mm));
+  figures.mean_free_path_texels = path / side;
+  figures.near_dropped_share = throughput.figures().dropped_share;
+  figures.apart_pairs = throughput.figures().apart_pairs;
+  figures.rank_deficient = blending.rank_deficient;
+  figures.window_share = blending.window_share;
+  figures.components = compressed.components;
+  figures.kernel_error = compressed.error;
+  return made;
+}
+
+}  // namespace bakelight::kernels

@@ -1,0 +1,49 @@
+// The places of a mesh's vertices, at which light from afar is gathered and spread: hats over triangles.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "formats/triangle_mesh.h"
+#include "transport/vector_types.h"
+
+namespace bakelight::kernels {
+
+using transport::Vec3;
+
+struct Knots {
+  std::vector<std::uint32_t> of_vertex;  // of the mesh
+  std::vector<Vec3> positions;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<double> triangle_areas;
+  std::vector<double> areas;    // a third of the triangles around each
+  std::vector<float> spacings;  // root mean square of the edges around each; 0 without edges
+  // The knots around each, itself first, as a list of rows.
+  std::vector<std::uint32_t> ring_ends, rings;
+  // What hats lose in interpolating, given back: 3/2 − 1/2 (mass matrix ÷ its row sums), for each entry of `rings`. Rows sum to 1. Hats
+  // that interpolate samples of a wave of wavenumber k between knots h apart leave 1 − (kh)²/12 of it, the mass matrix
+  // 1 − (kh)²/6; so what is sharpened has its amplitude but for the fourth power.
+  std::vector<float> sharpening;
+  // Triangles around each knot.
+  std::vector<std::uint32_t> fan_ends, fans;
+
+  std::size_t count() const { return positions.size(); }
+  double meanSpacing() const;
+  template <class List>
+  static auto row(const List& list, const std::vector<std::uint32_t>& ends, std::size_t i) {
+    const std::size_t first = i == 0 ? 0 : ends[i - 1];
+    return std::span(list.data() + first, ends[i] - first);
+  }
+  std::span<const std::uint32_t> ring(std::size_t i) const { return row(rings, ring_ends, i); }
+  std::span<const float> sharpeningOf(std::size_t i) const { return row(sharpening, ring_ends, i); }
+  std::span<const std::uint32_t> fan(std::size_t i) const { return row(fans, fan_ends, i); }
+};
+
+// Vertices at the same place are one knot. `of_medium`: 1 for each triangle that light passes through, empty for all; knots of others
+// have no area.
+Knots knotsOf(const formats::TriangleMesh& mesh);
+
+}  // namespace bakelight::kernels

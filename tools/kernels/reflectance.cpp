@@ -1,0 +1,102 @@
+#include "tools/kernels/reflectance.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace bakelight::kernels {
+namespace {
+
+using transport::DiffuseReflectance;
+
+constexpr float kBandReach = 6;  // sides of a texel
+constexpr int kBandNodes = 192;
+constexpr double kBandRatio = 1.04;  // between sides of neighbouring tables
+constexpr int kMostBands = 96;
+
+template <class Function>
+Rgb eachColor(const std::array<DiffuseReflectance, 3>& colors, const Function& function) {
+  return {static_cast<float>(function(colors[0])), static_cast<float>(function(colors[1])),
+          static_cast<float>(function(colors[2]))};
+}
+
+// Value, slope and curvature at a distance.
+std::array<double, 3> derivativesOf(const DiffuseReflectance& color, double distance) {
+  const double h = 1e-3 * distance;
+  const double before = color(distance - h), at = color(distance), after = color(distance + h);
+  return {at, (after - before) / (2 * h), (after - 2 * at + before) / (h * h)};
+}
+
+// Coefficient `k` of the polynomial in the squared distance.
+double smoothCoefficient(const DiffuseReflectance& color, double radius, int k) {
+  const auto [value, slope, curvature] = derivativesOf(color, radius);
+  const double quadratic = (curvature - slope / radius) / (8 * radius * radius);
+  const double linear = (slope / radius - 4 * quadratic * radius * radius) / 2;
+  if (k == 2) return quadratic;
+  return k == 1 ? linear : value - radius * radius * (linear + quadratic * radius * radius);
+}
+
+}  // namespace
+
+std::array<DiffuseReflectance, 3> reflectanceOf(const formats::Medium& medium) {
+  const auto color = [&](std::size_t c) {
+    return DiffuseReflectance(medium.model, {medium.reduced_scattering[c] * medium.unit_mm,
+                                             medium.absorption[c] * medium.unit_mm, medium.eta});
+  };
+  return {color(0), color(1), color(2)};
+}
+
+Reflectance::Reflectance(const std::array<DiffuseReflectance, 3>& colors, double farthest, double least_texel,
+                         double greatest_texel)
+    : colors_(colors), least_texel_(least_texel) {
+  const double scale = least_texel / 4, least = scale / 64;
+  exact_ = RadialTable(scale, farthest, [&](double r) {
+    return eachColor(colors, [&](const DiffuseReflectance& color) { return color(std::max(r, least)); });
+  });
+  const auto coefficients = [&](int k) {
+    return RadialTable(scale, farthest, [&](double r) {
+      return eachColor(colors, [&](const DiffuseReflectance& color) {
+        return smoothCoefficient(color, std::max(r, scale), k);
+      });
+    });
+  };
+  constant_ = coefficients(0), linear_ = coefficients(1), quadratic_ = coefficients(2);
+
+  const double range = std::log(greatest_texel / least_texel);
+  const int count = std::clamp(static_cast<int>(std::ceil(range / std::log(kBandRatio))) + 1, 2, kMostBands);
+  log_step_ = range > 0 ? range / (count - 1) : 1;
+  bands_.resize(static_cast<std::size_t>(count));
+  tbb::parallel_for(std::size_t{0}, bands_.size(), [&](std::size_t b) {
+    const double side = least_texel * std::exp(log_step_ * static_cast<double>(b));
+    for (int i = 0; i < kBandNodes; ++i) {
+      const double sides = static_cast<double>(kBandReach) * i / (kBandNodes - 1);
+      bands_[b].push_back(eachColor(colors, [&](const DiffuseReflectance& color) {
+        return side * side * color.bandLimited(sides * side, side);
+      }));
+    }
+  });
+}
+
+std::uint32_t Reflectance::bandOf(float side) const {
+  const double place = std::log(static_cast<double>(side) / least_texel_) / log_step_;
+  return static_cast<std::uint32_t>(std::clamp(std::lround(place), 0L, static_cast<long>(bands_.size()) - 1));
+}
+
+Rgb Reflectance::betweenTexels(float distance, float side, std::uint32_t band) const {
+  const float sides = distance / side;
+  if (sides >= kBandReach) return exact_(distance);
+  const float node = sides / kBandReach * (kBandNodes - 1);
+  const auto first = static_cast<std::size_t>(std::min(static_cast<int>(node), kBandNodes - 2));
+  const std::vector<Rgb>& values = bands_[band];
+  return (values[first] + (node - static_cast<float>(first)) * (values[first + 1] - values[first])) /
+         (side * side);
+}
+
+double Reflectance::reach(double share) const {
+  double farthest = 0;
+  for (const DiffuseReflectance& color : colors_) farthest = std::max(farthest, color.radiusFor(share));
+  return farthest;
+}
+
+}  // namespace bakelight::kernels

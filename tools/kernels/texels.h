@@ -1,0 +1,33 @@
+// The texels of an atlas that light falls on.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "tools/kernels/knots.h"
+
+namespace bakelight::kernels {
+
+struct Texels {
+  int resolution = 0;
+  std::vector<std::uint32_t> places;  // row · resolution + column, ascending
+  std::vector<std::uint32_t> triangles;
+  std::vector<Eigen::Array3f> weights;  // of the triangle's corners
+  std::vector<Eigen::Vector3f> positions, normals;
+  std::vector<std::uint32_t> charts;
+  std::vector<float> areas;  // of the surface in each, once: 0 beyond the edge of a chart
+  std::vector<float> cells;  // of the surface around each, as a whole texel where the surface goes on
+  std::vector<float> sides;  // length of a texel there, > 0
+  // Along a step to the right, and to the row below, over the surface.
+  std::vector<Eigen::Vector3f> across, down;
+  std::vector<std::int32_t> index_of;  // of a place: index here; −1 none
+
+  std::size_t count() const { return places.size(); }
+};
+
+// Of the geometry maps that atlas wrote for the mesh. Throws Error(kBadInput) naming file and texel: channels that are missing, another
+// mesh's maps, no square, nothing covered, no border of `border` texels where one is needed.
+Texels texelsOf(const std::filesystem::path& maps, const formats::TriangleMesh& mesh, const Knots& knots);
+
+}  // namespace bakelight::kernels

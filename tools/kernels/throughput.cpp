@@ -1,0 +1,239 @@
+#include "tools/kernels/throughput.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <Eigen/Dense>
+#include <map>
+
+#include "tools/kernels/point_index.h"
+
+namespace bakelight::kernels {
+namespace {
+
+// Of spacings: hats follow what is smooth over that much; measured on plates (docs/TRANSLUCENCY.md).
+constexpr float kSmoothing = 1.5F;
+// Far knots are that many spacings apart, and the same of theirs is smoothed.
+constexpr double kFarSpacing = 4;
+constexpr double kFarSmoothing = 1.6;
+constexpr std::size_t kFewKnots = 1500;    // whose pairs are fewer than what far knots cost
+constexpr std::size_t kFarNeighbors = 16;  // of a quadratic fit, which has 10 terms in space and 6 on a plane
+constexpr double kMostWeight = 4;          // Σ |weights| of a fit that is still one
+
+struct Rows {
+  std::vector<std::vector<std::uint32_t>> columns;
+  std::vector<std::vector<float>> values;
+
+  explicit Rows(std::size_t count) : columns(count), values(count) {}
+  Matrix joined(std::size_t value_columns) const {
+    Matrix matrix;
+    matrix.value_columns = value_columns;
+    for (std::size_t r = 0; r < columns.size(); ++r) {
+      matrix.columns.insert(matrix.columns.end(), columns[r].begin(), columns[r].end());
+      matrix.values.insert(matrix.values.end(), values[r].begin(), values[r].end());
+      matrix.ends.push_back(static_cast<std::uint32_t>(matrix.columns.size()));
+    }
+    return matrix;
+  }
+};
+
+void push(std::vector<float>& values, const Rgb& rgb) {
+  values.insert(values.end(), {rgb[0], rgb[1], rgb[2]});
+}
+
+}  // namespace
+
+void alongSurface(const Knots& knots, std::size_t from, double radius, std::vector<std::uint32_t>& found) {
+  found.assign(1, static_cast<std::uint32_t>(from));
+  for (std::size_t next = 0; next < found.size(); ++next)
+    for (const std::uint32_t other : knots.ring(found[next])) {
+      if ((knots.positions[other] - knots.positions[from]).squaredNorm() > radius * radius) continue;
+      if (std::find(found.begin(), found.end(), other) == found.end()) found.push_back(other);
+    }
+  std::sort(found.begin(), found.end());
+}
+
+Throughput::Throughput(const Knots& knots, const Reflectance& reflectance, const Options& options)
+    : knots_(knots), reflectance_(reflectance), options_(options) {
+  for (const float spacing : knots.spacings) smoothing_.push_back(kSmoothing * spacing);
+  chooseFarKnots();
+  makeNear();
+  if (far_smoothing_ > 0) makeSpread(), makeFar();
+}
+
+// One of each cell of a grid: that nearest to the middle of those in it.
+void Throughput::chooseFarKnots() {
+  const double cell = kFarSpacing * knots_.meanSpacing();
+  const double radius = kFarSmoothing * cell;
+  if (!options_.hierarchical || knots_.count() < kFewKnots || reflectance_.reach(1e-3) < 1.5 * radius) return;
+  std::map<std::array<std::int64_t, 3>, std::vector<std::uint32_t>> cells;
+  for (std::size_t k = 0; k < knots_.count(); ++k) {
+    std::array<std::int64_t, 3> key{};
+    for (int c = 0; c < 3; ++c)
+      key[static_cast<std::size_t>(c)] = static_cast<std::int64_t>(std::floor(knots_.positions[k][c] / cell));
+    cells[key].push_back(static_cast<std::uint32_t>(k));
+  }
+  for (const auto& [key, members] : cells) {
+    Vec3 middle = Vec3::Zero();
+    for (const std::uint32_t k : members) middle += knots_.positions[k] / static_cast<double>(members.size());
+    const auto nearest =
+        std::min_element(members.begin(), members.end(), [&](std::uint32_t a, std::uint32_t b) {
+          return (knots_.positions[a] - middle).squaredNorm() < (knots_.positions[b] - middle).squaredNorm();
+        });
+    far_positions_.push_back(knots_.positions[*nearest]);
+  }
+  far_smoothing_ = static_cast<float>(radius);
+  // Where triangles are large, what is near must not reach farther than that.
+  for (float& radius_of_knot : smoothing_) radius_of_knot = std::min(radius_of_knot, far_smoothing_);
+}
+
+// R_d between two hats, which are three corners' thirds of their triangles: by the middle of each.
+Rgb Throughput::apart(std::size_t a, std::size_t b) const {
+  const auto oneWay = [&](std::size_t from, std::size_t to) {
+    Rgb sum = Rgb::Zero();
+    double area = 0;
+    for (const std::uint32_t t : knots_.fan(to)) {
+      Vec3 middle = knots_.positions[to] / 4;
+      for (const std::uint32_t k : knots_.triangles[t]) middle += knots_.positions[k] / 4;
+      sum += static_cast<float>(knots_.triangle_areas[t]) *
+             reflectance_.exact(static_cast<float>((middle - knots_.positions[from]).norm()));
+      area += knots_.triangle_areas[t];
+    }
+    return area > 0 ? Rgb(sum / static_cast<float>(area)) : Rgb(Rgb::Zero());
+  };
+  return (oneWay(a, b) + oneWay(b, a)) / 2;
+}
+
+void Throughput::makeNear() {
+  const std::size_t count = knots_.count();
+  const PointIndex index(knots_.positions);
+  const double mean_area = knots_.meanSpacing() * knots_.meanSpacing() * std::sqrt(3.0) / 2;
+  const double reach = far_smoothing_ > 0 ? static_cast<double>(far_smoothing_) : 1e300;
+  Rows rows(count);
+  std::vector<double> dropped(count, 0);
+  std::vector<std::size_t> apart_pairs(count, 0);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    std::vector<std::uint32_t> near, along;
+    if (far_smoothing_ > 0) {
+      index.within(knots_.positions[i], reach, near);
+    } else {
+      near.resize(count);
+      for (std::size_t j = 0; j < count; ++j) near[j] = static_cast<std::uint32_t>(j);
+    }
+    alongSurface(knots_, i, 1.5 * static_cast<double>(smoothing_[i]), along);
+    for (const std::uint32_t j : near) {
+      const auto distance = static_cast<float>((knots_.positions[i] - knots_.positions[j]).norm());
+      const bool is_apart = distance < (smoothing_[i] + smoothing_[j]) / 2 &&
+                            !std::binary_search(along.begin(), along.end(), j);
+      Rgb value = is_apart ? apart(i, j) : between(i, j);
+      apart_pairs[i] += is_apart;
+      if (far_smoothing_ > 0) value -= reflectance_.smoothed(distance, far_smoothing_);
+      if (static_cast<double>(value.abs().maxCoeff()) * mean_area < options_.threshold) {
+        dropped[i] += static_cast<double>(value.abs().maxCoeff()) * knots_.areas[j];
+        continue;
+      }
+      rows.columns[i].push_back(j);
+      push(rows.values[i], value);
+    }
+  });
+  near_ = rows.joined(3);
+  figures_.dropped_share = *std::max_element(dropped.begin(), dropped.end());
+  for (const std::size_t pairs : apart_pairs) figures_.apart_pairs += pairs;
+}
+
+// Moving least squares: weights of far knots around a knot that reproduce quadratic functions of space, those nearby more.
+void Throughput::makeSpread() {
+  const PointIndex index(far_positions_);
+  Rows rows(knots_.count());
+  tbb::parallel_for(std::size_t{0}, knots_.count(), [&](std::size_t i) {
+    std::vector<std::uint32_t> near;
+    index.nearest(knots_.positions[i], kFarNeighbors, near);
+    const double scale = std::max((far_positions_[near.back()] - knots_.positions[i]).norm(), 1e-300);
+    const auto n = static_cast<Eigen::Index>(near.size());
+    Eigen::VectorXd weights;
+    for (const int terms : {10, 4, 1}) {
+      // Minimises Σ w_k² / θ_k under P w = p(0): w = Θ^½ (P Θ^½)⁺ p(0).
+      Eigen::MatrixXd p(terms, n);
+      Eigen::VectorXd root(n);
+      for (Eigen::Index k = 0; k < n; ++k) {
+        const Vec3 d = (far_positions_[near[static_cast<std::size_t>(k)]] - knots_.positions[i]) / scale;
+        root[k] = std::exp(-3 * d.squaredNorm());
+        const double all[10] = {1,
+                                d.x(),
+                                d.y(),
+                                d.z(),
+                                d.x() * d.x(),
+                                d.y() * d.y(),
+                                d.z() * d.z(),
+                                d.x() * d.y(),
+                                d.y() * d.z(),
+                                d.z() * d.x()};
+        for (int t = 0; t < terms; ++t) p(t, k) = all[t] * root[k];
+      }
+      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
+      decomposition.setThreshold(1e-3);  // nearly flat neighborhoods have no third dimension to fit
+      decomposition.compute(p);
+      weights = root.cwiseProduct(decomposition.solve(Eigen::VectorXd::Unit(terms, 0)));
+      weights /= weights.sum();
+      if (weights.allFinite() && weights.cwiseAbs().sum() < kMostWeight) break;
+    }
+    std::vector<std::pair<std::uint32_t, float>> entries;
+    for (Eigen::Index k = 0; k < n; ++k)
+      entries.emplace_back(near[static_cast<std::size_t>(k)], static_cast<float>(weights[k]));
+    std::sort(entries.begin(), entries.end());
+    for (const auto& [column, value] : entries)
+      rows.columns[i].push_back(column), rows.values[i].push_back(value);
+  });
+  spread_ = rows.joined(1);
+}
+
+void Throughput::makeFar() {
+  Rows rows(far_positions_.size());
+  tbb::parallel_for(std::size_t{0}, far_positions_.size(), [&](std::size_t a) {
+    for (std::size_t b = 0; b < far_positions_.size(); ++b) {
+      const auto distance = static_cast<float>((far_positions_[a] - far_positions_[b]).norm());
+      rows.columns[a].push_back(static_cast<std::uint32_t>(b));
+      push(rows.values[a], reflectance_.smoothed(distance, far_smoothing_));
+    }
+  });
+  far_ = rows.joined(3);
+}
+
+std::vector<Rgb> multiply(const Matrix& matrix, const std::vector<Rgb>& x) {
+  std::vector<Rgb> y(matrix.rows(), Rgb::Zero());
+  tbb::parallel_for(std::size_t{0}, matrix.rows(), [&](std::size_t r) {
+    for (std::size_t e = r == 0 ? 0 : matrix.ends[r - 1]; e < matrix.ends[r]; ++e) {
+      const float* value = &matrix.values[e * matrix.value_columns];
+      y[r] += matrix.value_columns == 1 ? Rgb(*value * x[matrix.columns[e]])
+                                        : Rgb(Eigen::Map<const Rgb>(value) * x[matrix.columns[e]]);
+    }
+  });
+  return y;
+}
+
+std::vector<Rgb> multiplyTransposed(const Matrix& matrix, const std::vector<Rgb>& y, std::size_t columns) {
+  std::vector<Rgb> x(columns, Rgb::Zero());
+  for (std::size_t r = 0; r < matrix.rows(); ++r)
+    for (std::size_t e = r == 0 ? 0 : matrix.ends[r - 1]; e < matrix.ends[r]; ++e)
+      x[matrix.columns[e]] += matrix.values[e] * y[r];
+  return x;
+}
+
+Matrix sharpeningOf(const Knots& knots) {
+  return {knots.ring_ends, knots.rings, knots.sharpening, 1};
+}
+
+std::vector<Rgb> Throughput::respond(const std::vector<Rgb>& power) const {
+  const Matrix sharpening = sharpeningOf(knots_);
+  const std::vector<Rgb> sharpened = multiplyTransposed(sharpening, power, knots_.count());
+  std::vector<Rgb> response = multiply(near_, sharpened);
+  if (far_smoothing_ > 0) {
+    const std::vector<Rgb> from_afar =
+        multiply(spread_, multiply(far_, multiplyTransposed(spread_, sharpened, farCount())));
+    for (std::size_t i = 0; i < response.size(); ++i) response[i] += from_afar[i];
+  }
+  return multiply(sharpening, response);
+}
+
+}  // namespace bakelight::kernels

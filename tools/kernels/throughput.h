@@ -1,0 +1,79 @@
+// Throughput factors between the knots of a mesh: how much light that enters around one leaves around another.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "tools/kernels/knots.h"
+#include "tools/kernels/reflectance.h"
+
+namespace bakelight::kernels {
+
+// Rows of entries; one value or three of each.
+struct Matrix {
+  std::vector<std::uint32_t> ends, columns;
+  std::vector<float> values;
+  std::size_t value_columns = 1;
+
+  std::size_t rows() const { return ends.size(); }
+};
+
+// R_d between knots, smoothed where they are so near each other that hats over them could not follow it (Reflectance::smoothed). What smoothing
+// takes away, kernels of texels and their blend weights give. Parts of the surface that are near in space but not along it, such as the sides of an
+// ear, keep R_d, as a mean over the hats.
+class Throughput {
+ public:
+  struct Options {
+    double threshold = 1e-6;   // factors below it, relative to what enters around a knot, are dropped
+    bool hierarchical = true;  // far knots for a smoother part, where there are enough knots
+  };
+  struct Figures {
+    double dropped_share = 0;     // of the total response, at most (a row's)
+    std::size_t apart_pairs = 0;  // near in space, not along the surface
+  };
+
+  // `reflectance` reaches over the whole mesh; both outlive this.
+  Throughput(const Knots& knots, const Reflectance& reflectance, const Options& options);
+
+  // Radius within which R_d is smoothed around a knot; that between two is the mean of theirs.
+  float smoothing(std::size_t knot) const { return smoothing_[knot]; }
+  // Between two knots that hang together along the surface, in 1/area.
+  Rgb between(std::size_t a, std::size_t b) const {
+    const auto distance = static_cast<float>((knots_.positions[a] - knots_.positions[b]).norm());
+    return reflectance_.smoothed(distance, (smoothing_[a] + smoothing_[b]) / 2);
+  }
+  // Σ over knots of sharpened factors, hats and all: what g is for these e (formats/translucency.h), areas in the asset's unit.
+  std::vector<Rgb> respond(const std::vector<Rgb>& power) const;
+
+  const Matrix& near() const { return near_; }
+  const Matrix& spread() const { return spread_; }
+  const Matrix& far() const { return far_; }
+  std::size_t farCount() const { return far_.rows(); }
+  const Figures& figures() const { return figures_; }
+
+ private:
+  void chooseFarKnots();
+  void makeNear();
+  void makeSpread();
+  void makeFar();
+  Rgb apart(std::size_t a, std::size_t b) const;
+
+  const Knots& knots_;
+  const Reflectance& reflectance_;
+  Options options_;
+  std::vector<float> smoothing_;
+  float far_smoothing_ = 0;  // 0: no far knots
+  std::vector<Vec3> far_positions_;
+  Matrix near_, spread_, far_;
+  Figures figures_;
+};
+
+// Those of `knots` that edges lead to from `from` without leaving a ball around it, ascending.
+void alongSurface(const Knots& knots, std::size_t from, double radius, std::vector<std::uint32_t>& found);
+
+// y = A x, and x = Aᵀ y.
+std::vector<Rgb> multiply(const Matrix& matrix, const std::vector<Rgb>& x);
+std::vector<Rgb> multiplyTransposed(const Matrix& matrix, const std::vector<Rgb>& y, std::size_t columns);
+Matrix sharpeningOf(const Knots& knots);
+
+}  // namespace bakelight::kernels
