@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <Eigen/Dense>
-#include <mutex>
+#include <memory>
+#include <span>
 
 #include "formats/translucency.h"
+#include "tools/kernels/point_index.h"
 
 namespace bakelight::kernels {
 namespace {
@@ -16,6 +18,7 @@ constexpr int kReach = formats::kKernelSide / 2;
 constexpr float kHalfWindow = formats::kKernelSide / 2.0F;
 // Of the square of the sum's error against the sum of squares: the sum is what shows.
 constexpr double kSumWeight = 100;
+constexpr float kRoughRadius = 2;  // of spacings
 constexpr double kRankThreshold = 1e-7;
 constexpr float kMostWeights = 2;  // what a texel may give to its knots altogether, of what falls on it
 
@@ -54,6 +57,7 @@ class Blender {
     });
     for (const std::size_t count : deficient) result_.rank_deficient += count;
     chooseReceivers();
+    findMissing();
     makeKernels(progress);
     return std::move(result_);
   }
@@ -230,13 +234,48 @@ class Blender {
     }
   }
 
-  void makeKernels(const std::function<void(std::size_t)>& progress) {
-    // What even light gives to knots by weights.
-    std::vector<Rgb> given(knots_.count(), Rgb::Zero());
-    for (std::size_t i = 0; i < texels_.count(); ++i)
-      for (std::size_t c = 0; c < 3; ++c)
-        given[knots_.triangles[texels_.triangles[i]][c]] += texels_.areas[i] * result_.densities[i][c];
+  // R_d less what is smooth over a radius, of texels around a place.
+  Rgb roughPart(const Vec3& place, std::span<const std::uint32_t> near, float radius) const {
+    Rgb sum = Rgb::Zero();
+    for (const std::uint32_t n : near) {
+      const std::uint32_t s = owned_[n];
+      const auto distance = static_cast<float>((places_[n] - place).norm());
+      if (distance >= radius) continue;
+      sum += texels_.areas[s] * (reflectance_.betweenTexels(distance, texels_.sides[s], bands_[s]) -
+                                 reflectance_.smoothed(distance, radius));
+    }
+    return sum;
+  }
 
+  // Of even light: what the whole surface sends to each knot, less what factors and weights give there, and less what of it is not smooth enough for
+  // hats to follow: that each texel finds for itself. R_d over texels within a radius that is beyond all smoothing, and beyond it factors that are
+  // smoother still.
+  void findMissing() {
+    std::vector<Rgb> power(knots_.count(), Rgb::Zero()), given = power;
+    for (std::size_t i = 0; i < texels_.count(); ++i) {
+      if (texels_.areas[i] == 0) continue;
+      owned_.push_back(static_cast<std::uint32_t>(i));
+      places_.push_back(texels_.positions[i].cast<double>());
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::uint32_t knot = knots_.triangles[texels_.triangles[i]][c];
+        power[knot] += texels_.areas[i] * texels_.weights[i][static_cast<Eigen::Index>(c)];
+        given[knot] += texels_.areas[i] * result_.densities[i][c];
+      }
+    }
+    missing_ = throughput_.respondSmoothly(power);
+    const std::vector<Rgb> response = throughput_.respond(power);
+    index_ = std::make_unique<PointIndex>(places_);
+    const float outer = throughput_.outerSmoothing();
+    rough_radius_ = std::min(kRoughRadius * static_cast<float>(knots_.meanSpacing()), outer);
+    tbb::parallel_for(std::size_t{0}, knots_.count(), [&](std::size_t k) {
+      std::vector<std::uint32_t> near;
+      index_->within(knots_.positions[k], static_cast<double>(outer), near);
+      missing_[k] += roughPart(knots_.positions[k], near, outer) - roughPart(knots_.positions[k], near, rough_radius_);
+      missing_[k] -= response[k] + given[k];
+    });
+  }
+
+  void makeKernels(const std::function<void(std::size_t)>& progress) {
     const std::size_t values = std::size_t{3} * formats::kKernelTexels;
     result_.kernels.assign(result_.receivers.size() * values, 0);
     std::vector<std::size_t> first_of(knots_.triangles.size() + 1, 0);
@@ -245,8 +284,18 @@ class Blender {
       receivers_of[texels_.triangles[result_.receivers[r]]].push_back(static_cast<std::uint32_t>(r));
     std::vector<double> shares(knots_.triangles.size(), 0);
     tbb::parallel_for(std::size_t{0}, knots_.triangles.size(), [&](std::size_t t) {
+      if (receivers_of[t].empty()) return;
+      // All that is near any of the triangle's texels.
+      Vec3 middle = Vec3::Zero();
       for (const std::uint32_t r : receivers_of[t])
-        shares[t] += makeKernel(result_.receivers[r], given, &result_.kernels[r * values]);
+        middle += texels_.positions[result_.receivers[r]].cast<double>() / static_cast<double>(receivers_of[t].size());
+      double reach = 0;
+      for (const std::uint32_t r : receivers_of[t])
+        reach = std::max(reach, (texels_.positions[result_.receivers[r]].cast<double>() - middle).norm());
+      std::vector<std::uint32_t> around;
+      index_->within(middle, reach + static_cast<double>(rough_radius_), around);
+      for (const std::uint32_t r : receivers_of[t])
+        shares[t] += makeKernel(result_.receivers[r], around, &result_.kernels[r * values]);
       progress(1);
     });
     for (const double share : shares)
@@ -254,14 +303,14 @@ class Blender {
   }
 
   // Share of the kernel in what even light gives.
-  double makeKernel(std::uint32_t receiver, const std::vector<Rgb>& given, float* kernel) const {
+  double makeKernel(std::uint32_t receiver, std::span<const std::uint32_t> around, float* kernel) const {
     const std::size_t t = texels_.triangles[receiver];
     const auto& corners = knots_.triangles[t];
     const Neighborhood& near = neighborhoods_[t];
     const std::vector<Rgb> to_knots = toKnots(near, receiver);
     const Eigen::Array3f& w = texels_.weights[receiver];
 
-    Rgb exact_sum = Rgb::Zero(), rest = Rgb::Zero();
+    Rgb exact_sum = Rgb::Zero(), missing = Rgb::Zero();
     std::array<Rgb, formats::kKernelTexels> exact;
     for (int dy = -kReach, i = 0; dy <= kReach; ++dy)
       for (int dx = -kReach; dx <= kReach; ++dx, ++i) {
@@ -283,25 +332,14 @@ class Blender {
         by_weights *= texels_.cells[s];
         const Rgb left = value - texels_.cells[s] * between(near, to_knots, s) - by_weights;
         Eigen::Map<Rgb>(kernel + 3 * i) = left;
-        rest += by_weights;
+        missing -= left;
       }
-    // What even light gets wrong goes to the kernel: what weights give outside of it, in place of what smoothing took there.
-    for (std::size_t c = 0; c < 3; ++c) rest -= w[static_cast<Eigen::Index>(c)] * given[corners[c]];
-    const float smoothing = w[0] * throughput_.smoothing(corners[0]) +
-                            w[1] * throughput_.smoothing(corners[1]) +
-                            w[2] * throughput_.smoothing(corners[2]);
-    for (const std::uint32_t f : near.triangles)
-      for (const std::uint32_t x : texels_of_[f]) {
-        if (texels_.areas[x] == 0) continue;
-        const float distance = (texels_.positions[x] - texels_.positions[receiver]).norm();
-        if (distance > smoothing || inWindow(receiver, x)) continue;
-        rest += texels_.areas[x] *
-                (reflectance_.betweenTexels(distance, texels_.sides[receiver], bands_[receiver]) -
-                 between(near, to_knots, x));
-      }
+    // What even light gets wrong goes to the kernel.
+    missing += roughPart(texels_.positions[receiver].cast<double>(), around, rough_radius_);
+    for (std::size_t c = 0; c < 3; ++c) missing += w[static_cast<Eigen::Index>(c)] * missing_[corners[c]];
     for (int color = 0; color < 3; ++color) {
       if (!(exact_sum[color] > 0)) continue;
-      const float raise = rest[color] / exact_sum[color];
+      const float raise = missing[color] / exact_sum[color];
       for (int i = 0; i < formats::kKernelTexels; ++i)
         kernel[3 * i + color] += raise * exact[static_cast<std::size_t>(i)][color];
     }
@@ -315,6 +353,12 @@ class Blender {
   std::vector<std::vector<std::uint32_t>> texels_of_;  // by triangle
   std::vector<std::uint32_t> bands_;
   std::vector<Neighborhood> neighborhoods_;
+  // Texels with an area.
+  std::vector<std::uint32_t> owned_;
+  std::vector<Vec3> places_;
+  std::unique_ptr<const PointIndex> index_;
+  std::vector<Rgb> missing_;  // of even light, at knots
+  float rough_radius_ = 0;
   Blending result_;
 };
 

@@ -59,13 +59,16 @@ Throughput::Throughput(const Knots& knots, const Reflectance& reflectance, const
   for (const float spacing : knots.spacings) smoothing_.push_back(kSmoothing * spacing);
   chooseFarKnots();
   makeNear();
-  if (far_smoothing_ > 0) makeSpread(), makeFar();
+  if (has_far_) makeSpread(), makeFar();
 }
 
 // One of each cell of a grid: that nearest to the middle of those in it.
 void Throughput::chooseFarKnots() {
   const double cell = kFarSpacing * knots_.meanSpacing();
   const double radius = kFarSmoothing * cell;
+  outer_smoothing_ = static_cast<float>(radius);
+  // Where triangles are large, what is near must not reach farther than that.
+  for (float& radius_of_knot : smoothing_) radius_of_knot = std::min(radius_of_knot, outer_smoothing_);
   if (!options_.hierarchical || knots_.count() < kFewKnots || reflectance_.reach(1e-3) < 1.5 * radius) return;
   std::map<std::array<std::int64_t, 3>, std::vector<std::uint32_t>> cells;
   for (std::size_t k = 0; k < knots_.count(); ++k) {
@@ -83,9 +86,7 @@ void Throughput::chooseFarKnots() {
         });
     far_positions_.push_back(knots_.positions[*nearest]);
   }
-  far_smoothing_ = static_cast<float>(radius);
-  // Where triangles are large, what is near must not reach farther than that.
-  for (float& radius_of_knot : smoothing_) radius_of_knot = std::min(radius_of_knot, far_smoothing_);
+  has_far_ = true;
 }
 
 // R_d between two hats, which are three corners' thirds of their triangles: by the middle of each.
@@ -109,13 +110,13 @@ void Throughput::makeNear() {
   const std::size_t count = knots_.count();
   const PointIndex index(knots_.positions);
   const double mean_area = knots_.meanSpacing() * knots_.meanSpacing() * std::sqrt(3.0) / 2;
-  const double reach = far_smoothing_ > 0 ? static_cast<double>(far_smoothing_) : 1e300;
+  const double reach = has_far_ ? static_cast<double>(outer_smoothing_) : 1e300;
   Rows rows(count);
   std::vector<double> dropped(count, 0);
   std::vector<std::size_t> apart_pairs(count, 0);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     std::vector<std::uint32_t> near, along;
-    if (far_smoothing_ > 0) {
+    if (has_far_) {
       index.within(knots_.positions[i], reach, near);
     } else {
       near.resize(count);
@@ -128,7 +129,7 @@ void Throughput::makeNear() {
                             !std::binary_search(along.begin(), along.end(), j);
       Rgb value = is_apart ? apart(i, j) : between(i, j);
       apart_pairs[i] += is_apart;
-      if (far_smoothing_ > 0) value -= reflectance_.smoothed(distance, far_smoothing_);
+      if (has_far_) value -= reflectance_.smoothed(distance, outer_smoothing_);
       if (static_cast<double>(value.abs().maxCoeff()) * mean_area < options_.threshold) {
         dropped[i] += static_cast<double>(value.abs().maxCoeff()) * knots_.areas[j];
         continue;
@@ -194,7 +195,7 @@ void Throughput::makeFar() {
     for (std::size_t b = 0; b < far_positions_.size(); ++b) {
       const auto distance = static_cast<float>((far_positions_[a] - far_positions_[b]).norm());
       rows.columns[a].push_back(static_cast<std::uint32_t>(b));
-      push(rows.values[a], reflectance_.smoothed(distance, far_smoothing_));
+      push(rows.values[a], reflectance_.smoothed(distance, outer_smoothing_));
     }
   });
   far_ = rows.joined(3);
@@ -224,13 +225,23 @@ Matrix sharpeningOf(const Knots& knots) {
   return {knots.ring_ends, knots.rings, knots.sharpening, 1};
 }
 
+std::vector<Rgb> Throughput::respondSmoothly(const std::vector<Rgb>& power) const {
+  if (has_far_) return multiply(spread_, multiply(far_, multiplyTransposed(spread_, power, farCount())));
+  std::vector<Rgb> response(knots_.count(), Rgb::Zero());
+  tbb::parallel_for(std::size_t{0}, knots_.count(), [&](std::size_t i) {
+    for (std::size_t j = 0; j < knots_.count(); ++j)
+      response[i] += power[j] * reflectance_.smoothed(static_cast<float>((knots_.positions[i] - knots_.positions[j]).norm()),
+                                                      outer_smoothing_);
+  });
+  return response;
+}
+
 std::vector<Rgb> Throughput::respond(const std::vector<Rgb>& power) const {
-  const Matrix sharpening = sharpeningOf(knots_);
+  const Matrix sharpening = kernels::sharpeningOf(knots_);
   const std::vector<Rgb> sharpened = multiplyTransposed(sharpening, power, knots_.count());
   std::vector<Rgb> response = multiply(near_, sharpened);
-  if (far_smoothing_ > 0) {
-    const std::vector<Rgb> from_afar =
-        multiply(spread_, multiply(far_, multiplyTransposed(spread_, sharpened, farCount())));
+  if (has_far_) {
+    const std::vector<Rgb> from_afar = respondSmoothly(sharpened);
     for (std::size_t i = 0; i < response.size(); ++i) response[i] += from_afar[i];
   }
   return multiply(sharpening, response);

@@ -45,6 +45,10 @@ class Throughput {
   // Σ over knots of sharpened factors, hats and all: what g is for these e (formats/translucency.h), areas in the asset's unit.
   std::vector<Rgb> respond(const std::vector<Rgb>& power) const;
 
+  // Radius of what is smoother still, farther than that of any knot; and what it alone would be for these e, without sharpening.
+  float outerSmoothing() const { return outer_smoothing_; }
+  std::vector<Rgb> respondSmoothly(const std::vector<Rgb>& power) const;
+
   const Matrix& near() const { return near_; }
   const Matrix& spread() const { return spread_; }
   const Matrix& far() const { return far_; }
@@ -62,7 +66,8 @@ class Throughput {
   const Reflectance& reflectance_;
   Options options_;
   std::vector<float> smoothing_;
-  float far_smoothing_ = 0;  // 0: no far knots
+  float outer_smoothing_ = 0;
+  bool has_far_ = false;
   std::vector<Vec3> far_positions_;
   Matrix near_, spread_, far_;
   Figures figures_;
