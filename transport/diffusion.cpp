@@ -48,6 +48,22 @@ double schlickTransmittance(double cosine, double relative_ior) {
   return (1 - normal) * (1 - std::pow(1 - std::clamp(cosine, 0.0, 1.0), 5));
 }
 
+std::vector<double> enteringCosineFactors(int order, double relative_ior) {
+  // A polynomial, so this is exact: P_l times the cosine times one of degree 5.
+  std::vector<double> factors(static_cast<std::size_t>(order), 0);
+  for (const QuadratureNode& node : gaussLegendreRule(order + 4)) {
+    const double cosine = (node.x + 1) / 2;
+    const double weight = kPi * node.weight * cosine * schlickTransmittance(cosine, relative_ior);
+    double legendre = 1, before = 0;
+    for (int l = 0; l < order; ++l) {
+      factors[static_cast<std::size_t>(l)] += weight * legendre;
+      const double next = ((2 * l + 1) * cosine * legendre - l * before) / (l + 1);
+      before = legendre, legendre = next;
+    }
+  }
+  return factors;
+}
+
 FresnelMoments fresnelMoments(double relative_ior) {
   // Beyond the critical angle all is reflected; before it F has a square root, which μ = critical + x² takes away.
   const double critical = relative_ior < 1 ? std::sqrt(1 - relative_ior * relative_ior) : 0;

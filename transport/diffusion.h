@@ -29,6 +29,9 @@ double fresnelReflectance(double cosine, double relative_ior);
 // Schlick 1994, of transmittance: what enters from outside.
 double schlickTransmittance(double cosine, double relative_ior);
 
+// Zonal factors of max(n·s, 0) times that: what enters, as transport::clampedCosineFactors is what falls on. `order` entries.
+std::vector<double> enteringCosineFactors(int order, double relative_ior);
+
 // ∫ F(μ) μ dμ and ∫ F(μ) μ² dμ over μ = 0–1, by quadrature to some 1e-9. Twice the first is the diffuse reflectance F_dr.
 struct FresnelMoments {
   double first = 0, second = 0;

@@ -32,6 +32,8 @@ int main(int argc, char** argv) {
                  "Target; a mesh that has no more is repaired but not decimated")
       .parameter("refine", options.refine,
                  "Give a mesh that has fewer that many, too: for what is kept at vertices, not for its shape")
+      .parameter("least_part", options.least_part, {0, 1}, "",
+                 "Parts that have less of the area are left out, such as lids inside a body; 0 keeps all")
       .parameter("weld_tolerance", options.weld_tolerance, {0, 0.01}, "",
                  "Vertices this close, over the bounding-box diagonal, become one; 0: only coincident ones")
       .parameter("crease_angle_deg", options.crease_angle_deg, {0, 180}, "deg",

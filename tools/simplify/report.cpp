@@ -46,6 +46,8 @@ Json toJson(const SimplifyReport& r) {
           {"input", state(r.vertices_in, r.triangles_in, r.topology_in, r.angles_in, r.area_in, r.volume_in)},
           {"output",
            state(r.vertices_out, r.triangles_out, r.topology_out, r.angles_out, r.area_out, r.volume_out)},
+          {"small_parts", r.small_parts.parts},
+          {"small_part_triangles", r.small_parts.triangles},
           {"crease_edges", r.crease_edges},
           {"corners", r.corners},
           {"materials", r.materials},

@@ -15,6 +15,7 @@
 #include "tools/simplify/normals.h"
 #include "tools/simplify/refine.h"
 #include "tools/simplify/relax.h"
+#include "tools/simplify/small_parts.h"
 #include "tools/simplify/surface_words.h"
 #include "tools/simplify/texcoords.h"
 #include "tools/stage/stopwatch.h"
@@ -174,6 +175,14 @@ SimplifyResult simplify(const formats::TriangleMesh& input, const SimplifyOption
                    "at least one triangle with an area");
   }
   report.warnings = lossWarnings(input, extent, weld_tolerance / frame.scale, report.repairs);
+  if (options.least_part > 0) {
+    report.small_parts = removeSmallParts(mesh, options.least_part);
+    if (report.small_parts.parts > 0)
+      report.warnings.push_back(std::to_string(report.small_parts.parts) + " parts of " +
+                                std::to_string(report.small_parts.triangles) + " triangles, " +
+                                std::to_string(100 * report.small_parts.area_share) +
+                                " % of the area, are smaller than least_part, and were left out");
+  }
   report.topology_in = topology(mesh);
   const std::vector<WorkingMesh::Sheet> sheets = mesh.sheets;
   const SimplifyOptions one_sided = withoutBacks(options, mesh);

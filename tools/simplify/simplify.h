@@ -15,12 +15,14 @@
 #include "surface/metrics.h"
 #include "surface/repair.h"
 #include "tools/simplify/surface_words.h"
+#include "tools/simplify/small_parts.h"
 
 namespace bakelight::simplify {
 
 struct SimplifyOptions {
   int triangles = 20000;         // target, ≥ 4; a mesh with no more is repaired but not decimated
   bool refine = false;           // a mesh with fewer gets that many, too: its surface stays as it is
+  double least_part = 0;         // parts with less of the area, 0–1, are left out
   double weld_tolerance = 1e-7;  // ÷ bounding-box diagonal (of the bulk); 0: only exactly coincident vertices
   double crease_angle_deg = 80;  // edges sharper than this keep their place and are shaded flat
   int relax_rounds = 8;          // 0: no flips, moves or fit
@@ -28,6 +30,7 @@ struct SimplifyOptions {
 
 struct SimplifyReport {
   RepairCounts repairs;
+  SmallParts small_parts;
   Topology topology_in, topology_out;  // after the repair, after the whole stage
   std::int64_t vertices_in = 0, vertices_out = 0, triangles_in = 0, triangles_out = 0;
   std::int64_t crease_edges = 0, corners = 0;         // kept in place by decimation

@@ -47,6 +47,8 @@ BakeSetup::BakeSetup(const TriangleMesh& own_mesh, std::span<const Float3> own_a
     throw std::invalid_argument("a visibility vector cannot hold interreflection");
   if (!options.tangents.empty() && options.tangents.size() != mesh.vertexCount())
     throw std::invalid_argument("there must be a tangent a vertex, or none");
+  if (options.entered_ior > 0 && (interreflected() || options.glossy != Glossy::kNone))
+    throw std::invalid_argument("what enters a medium is diffuse transfer without bounces");
   channels = interreflected() && !std::all_of(albedo.begin(), albedo.end(), isGray) ? 3 : 1;
   const int visibility_order = options.glossy == Glossy::kNone ? 0 : options.row_order + options.order - 1;
   visibility_size = coefficientCount(visibility_order);
@@ -56,7 +58,7 @@ BakeSetup::BakeSetup(const TriangleMesh& own_mesh, std::span<const Float3> own_a
   if (interreflected()) sides_from_behind = sidesFromBehind(mesh);
   scene = std::make_unique<transport::RayScene>(mesh);
   pass = std::make_unique<ShadowPass>(mesh, *scene,
-                                      ShadowOptions{options.order, visibility_order, sphere, interreflected(),
+                                      ShadowOptions{options.order, visibility_order, sphere, interreflected(), options.entered_ior,
                                                     interreflected() && needsMatrices()},
                                       options.directions);
   if (interreflected()) memory = planMemory(*this);

@@ -20,6 +20,19 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+// Of the medium that the object consists of; 0 without one.
+double enteredIor(const formats::SurfaceMaterials& surface, const std::string& file) {
+  double eta = 0;
+  for (const std::optional<formats::Medium>& medium : surface.media) {
+    const double of_this = medium ? medium->eta : 0;
+    if (&medium != &surface.media.front() && of_this != eta)
+      throw badInput({file, "", "/medium/eta"}, "materials let different shares of light in", "one index of refraction",
+                     "bake such objects apart");
+    eta = of_this;
+  }
+  return eta;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -31,7 +44,7 @@ int main(int argc, char** argv) {
           "mesh", "mesh", mesh_path,
           "PLY mesh with normals, as simplify writes it; its colours are the albedo unless material has one")
       .input("material", "material", material_path, "what the mesh is made of; light bounces off its albedo",
-             {.required = false, .parts = {"albedo"}})
+             {.required = false, .parts = {"albedo", "medium"}})
       .input("frames", "tensors", frames_path,
              "tangents of the vertices' frames, as idmap writes them for a mesh that patches are laid out on",
              false)
@@ -66,6 +79,11 @@ int main(int argc, char** argv) {
     // Without bounces a uniform albedo stays outside, and pack is free to choose it.
     if (albedo.empty() && options.transport == transfer::Transport::kInterreflected)
       albedo = {surface.albedo};
+
+    settings.options.entered_ior = options.entered_ior = enteredIor(surface, material_path.string());
+    if (options.entered_ior > 0 && (options.transport == transfer::Transport::kInterreflected || settings.isGlossy()))
+      throw badInput({material_path.string(), "", "/medium"}, "the object is translucent, and light bounces off none such here",
+                     "diffuse transfer without bounces", "give --technique diffuse --transport shadowed");
 
     const auto start = std::chrono::steady_clock::now();
     transfer::Transfer baked;

@@ -6,6 +6,7 @@
 #include <array>
 #include <numbers>
 
+#include "transport/diffusion.h"
 #include "transport/directions.h"
 #include "transport/multiversioned.h"
 #include "transport/sh.h"
@@ -61,6 +62,15 @@ void Quadrature::accumulate(std::span<const std::uint32_t> chosen, std::span<con
 
 void Hemisphere::collect(const Quadrature& quadrature, const Float3& normal) {
   count = collectAbove(quadrature.directions(), normal, *this);
+}
+
+std::vector<double> cosineFactors(int order, double entered_ior) {
+  return entered_ior > 0 ? transport::enteringCosineFactors(order, entered_ior) : transport::clampedCosineFactors(order);
+}
+
+void Hemisphere::enter(double relative_ior) {
+  for (std::size_t k = 0; k < count; ++k)
+    cosines[k] *= static_cast<float>(transport::schlickTransmittance(static_cast<double>(cosines[k]), relative_ior));
 }
 
 }  // namespace bakelight::transfer

@@ -15,6 +15,9 @@ namespace bakelight::transfer {
 
 using formats::Float3;
 
+// Zonal factors of the clamped cosine, or of that times what enters a surface of an index of refraction above 0.
+std::vector<double> cosineFactors(int order, double entered_ior);
+
 // One fixed set of directions of equal weight over the sphere.
 class Quadrature {
  public:
@@ -47,6 +50,8 @@ struct Hemisphere {
 
   explicit Hemisphere(std::size_t size) : rays(size), directions(size), cosines(size) {}
   void collect(const Quadrature& quadrature, const Float3& normal);
+  // Cosines times what enters a surface of that index of refraction.
+  void enter(double relative_ior);
   std::span<const std::uint32_t> usedDirections() const { return std::span(directions).first(count); }
   std::span<const float> usedCosines() const { return std::span(cosines).first(count); }
 };

@@ -32,7 +32,7 @@ ShadowPass::ShadowPass(const formats::TriangleMesh& mesh, const transport::RaySc
       scene_(scene),
       options_(options),
       quadrature_(std::max({options.order, options.visibility_order, kJudgedOrder}), directions),
-      cosine_factors_(transport::clampedCosineFactors(std::max(options.order, kJudgedOrder))) {
+      cosine_factors_(cosineFactors(std::max(options.order, kJudgedOrder), options.entered_ior)) {
   if (options.visibility_order > 0)
     hemisphere_zonal_ = transport::diskLightZonal(options.visibility_order, std::numbers::pi / 2);
 }
@@ -41,6 +41,7 @@ TracedPoint ShadowPass::trace(const SurfacePoint& point, std::span<const formats
                               const PointTransfer& result, Workspace& work) const {
   Hemisphere& hemisphere = work.hemisphere;
   hemisphere.collect(quadrature_, point.normal);
+  if (options_.entered_ior > 0) hemisphere.enter(options_.entered_ior);
   scene_.occluded(point.origin, hemisphere.rays, 0, std::span(work.blocked).first(hemisphere.count));
   listBlocked(work);
   work.sees_light = hemisphere.count == 0 || work.blocked_directions.size() < hemisphere.count;

@@ -20,6 +20,7 @@ struct ShadowOptions {
   int visibility_order = 0;             // > 0: also visibility vectors of that order
   std::optional<VirtualSphere> sphere;  // also near-field vectors
   bool record_hits = false;             // also what the blocked rays hit, for interreflection
+  double entered_ior = 0;               // TransferOptions::entered_ior
   bool keep_blocked = false;            // also which rays were blocked, for findHits
 };
 

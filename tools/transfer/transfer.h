@@ -41,6 +41,9 @@ struct TransferOptions {
   // > 0: near-field vectors too, for a virtual sphere of so many radii of the bounding sphere, around its
   // centre. More than 1.
   double sphere_radius = 0;
+  // > 0: of what falls on it, what enters a surface of that index of refraction (transport::schlickTransmittance); its vectors are then
+  // of that. Of diffuse transfer without bounces.
+  double entered_ior = 0;
   // Interreflected: GB (10⁹ bytes) that the bake keeps within, its matrices and visibility vectors apart; 0:
   // defaultMemory (memory_plan.h). Results differ only where exact form factors do not fit.
   double memory = 0;

@@ -224,6 +224,8 @@ void writeTransfer(const std::filesystem::path& path, const formats::TriangleMes
                        {"albedo", "outside"},
                        {"inverse_pi", "inside"},
                        {"mesh_hash", formats::geometryHash(mesh)}};
+  if (settings.options.entered_ior > 0)
+    contents.metadata["entered_ior"] = std::to_string(settings.options.entered_ior);
   contents.add("transfer", {vertices, channels, count}, baked.vectors);
   const transport::Vec3& center = baked.sphere.center;
   const std::array<double, 4> sphere = {center.x(), center.y(), center.z(), baked.sphere.radius};

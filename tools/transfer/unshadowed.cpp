@@ -20,7 +20,7 @@ constexpr std::size_t kPointsPerTask = 64;
 void bakeVectors(const BakeSetup& setup, stage::Progress& progress, Transfer& result) {
   const int order = setup.options.order;
   const std::size_t size = setup.coefficients, vertices = setup.vertexCount();
-  const std::vector<double> factors = transport::clampedCosineFactors(order);
+  const std::vector<double> factors = cosineFactors(order, setup.options.entered_ior);
   result.vectors.resize(vertices * size);
   if (setup.sphere) result.near_vectors.resize(vertices * size);
   const Quadrature quadrature(order, setup.sphere ? setup.options.directions : 1);
@@ -36,6 +36,7 @@ void bakeVectors(const BakeSetup& setup, stage::Progress& progress, Transfer& re
           vector[i] = static_cast<float>(factors[l] / std::numbers::pi * basis[i]);
       if (!setup.sphere) continue;
       hemisphere.collect(quadrature, normal);
+      if (setup.options.entered_ior > 0) hemisphere.enter(setup.options.entered_ior);
       nearFieldDifference(*setup.sphere, vec3(setup.mesh.positions[v]), order, quadrature,
                           hemisphere.usedDirections(), hemisphere.usedCosines(), difference);
       for (std::size_t i = 0; i < size; ++i)
