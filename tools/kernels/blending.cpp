@@ -19,6 +19,7 @@ constexpr float kHalfWindow = formats::kKernelSide / 2.0F;
 // Of the square of the sum's error against the sum of squares: the sum is what shows.
 constexpr double kSumWeight = 100;
 constexpr float kRoughRadius = 2;  // of spacings
+constexpr double kRidge = 0.01;    // of the hats' squares, inside the window, too
 constexpr double kRankThreshold = 1e-7;
 constexpr float kMostWeights = 2;  // what a texel may give to its knots altogether, of what falls on it
 
@@ -177,7 +178,7 @@ class Blender {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero(),
                     right = Eigen::Matrix3d::Zero();  // right: corner × color
     Eigen::Vector3d hats = Eigen::Vector3d::Zero(), missing = Eigen::Vector3d::Zero();
-    double area = 0;
+    double area = 0, whole = 0;
     for (const std::uint32_t f : near.triangles) {
       Eigen::Vector3i place(-1, -1, -1);
       bool under = false;
@@ -187,14 +188,16 @@ class Blender {
             place[c] = k, under = true;
       if (!under) continue;
       for (const std::uint32_t x : texels_of_[f]) {
-        if (texels_.areas[x] == 0 || inWindow(x, texel)) continue;
-        const float distance = (texels_.positions[x] - texels_.positions[texel]).norm();
-        const Rgb rest =
-            reflectance_.betweenTexels(distance, texels_.sides[x], bands_[x]) - between(near, to_knots, x);
+        if (texels_.areas[x] == 0) continue;
+        const double a = static_cast<double>(texels_.areas[x]);
         Eigen::Vector3d hat;
         for (int c = 0; c < 3; ++c)
           hat[c] = place[c] < 0 ? 0 : static_cast<double>(texels_.weights[x][place[c]]);
-        const double a = static_cast<double>(texels_.areas[x]);
+        whole += a * hat.squaredNorm();
+        if (inWindow(x, texel)) continue;
+        const float distance = (texels_.positions[x] - texels_.positions[texel]).norm();
+        const Rgb rest =
+            reflectance_.betweenTexels(distance, texels_.sides[x], bands_[x]) - between(near, to_knots, x);
         const Eigen::Vector3d r = rest.matrix().cast<double>();
         normal += a * hat * hat.transpose();
         right += a * hat * r.transpose();
@@ -204,6 +207,8 @@ class Blender {
       }
     }
     if (area == 0) return false;
+    // Hats that lie in the window but for their rims would have to be huge to matter outside of it.
+    normal += kRidge * whole * Eigen::Matrix3d::Identity();
     normal += kSumWeight / area * hats * hats.transpose();
     right += kSumWeight / area * hats * missing.transpose();
     Eigen::CompleteOrthogonalDecomposition<Eigen::Matrix3d> decomposition;
@@ -270,7 +275,8 @@ class Blender {
     tbb::parallel_for(std::size_t{0}, knots_.count(), [&](std::size_t k) {
       std::vector<std::uint32_t> near;
       index_->within(knots_.positions[k], static_cast<double>(outer), near);
-      missing_[k] += roughPart(knots_.positions[k], near, outer) - roughPart(knots_.positions[k], near, rough_radius_);
+      missing_[k] +=
+          roughPart(knots_.positions[k], near, outer) - roughPart(knots_.positions[k], near, rough_radius_);
       missing_[k] -= response[k] + given[k];
     });
   }
@@ -288,7 +294,8 @@ class Blender {
       // All that is near any of the triangle's texels.
       Vec3 middle = Vec3::Zero();
       for (const std::uint32_t r : receivers_of[t])
-        middle += texels_.positions[result_.receivers[r]].cast<double>() / static_cast<double>(receivers_of[t].size());
+        middle += texels_.positions[result_.receivers[r]].cast<double>() /
+                  static_cast<double>(receivers_of[t].size());
       double reach = 0;
       for (const std::uint32_t r : receivers_of[t])
         reach = std::max(reach, (texels_.positions[result_.receivers[r]].cast<double>() - middle).norm());

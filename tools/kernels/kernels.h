@@ -13,7 +13,7 @@
 namespace bakelight::kernels {
 
 struct Options {
-  Throughput::Options factors;
+  Throughput::Options factors = {};
   double kernel_error = 0.002;  // of kernels' principal components, relative; 0: kernels as they are
 };
 

@@ -16,7 +16,9 @@ namespace {
 constexpr float kSmoothing = 1.5F;
 // Far knots are that many spacings apart, and the same of theirs is smoothed.
 constexpr double kFarSpacing = 4;
-constexpr double kFarSmoothing = 1.6;
+constexpr double kFarSmoothing = 2.2;
+constexpr double kLeastFarSpacing = 2;     // where R_d falls off so fast that farther ones could not follow
+constexpr float kLeastFall = 0.15F;        // of R_d from there to a far knot's spacing farther
 constexpr std::size_t kFewKnots = 1500;    // whose pairs are fewer than what far knots cost
 constexpr std::size_t kFarNeighbors = 16;  // of a quadratic fit, which has 10 terms in space and 6 on a plane
 constexpr double kMostWeight = 4;          // Σ |weights| of a fit that is still one
@@ -62,14 +64,32 @@ Throughput::Throughput(const Knots& knots, const Reflectance& reflectance, const
   if (has_far_) makeSpread(), makeFar();
 }
 
-// One of each cell of a grid: that nearest to the middle of those in it.
+namespace {
+
+// Whether points `cell` apart can follow what is smooth over a radius.
+bool isFollowed(const Reflectance& reflectance, double radius, double cell) {
+  const Rgb at = reflectance.exact(static_cast<float>(radius)),
+            beyond = reflectance.exact(static_cast<float>(radius + cell));
+  return (beyond >= kLeastFall * at).all();
+}
+
+}  // namespace
+
+// One of each cell of a grid: that nearest to the middle of those in it. Cells as large as R_d allows.
 void Throughput::chooseFarKnots() {
-  const double cell = kFarSpacing * knots_.meanSpacing();
-  const double radius = kFarSmoothing * cell;
+  double cell = kFarSpacing * knots_.meanSpacing(), radius = kFarSmoothing * cell;
   outer_smoothing_ = static_cast<float>(radius);
   // Where triangles are large, what is near must not reach farther than that.
   for (float& radius_of_knot : smoothing_) radius_of_knot = std::min(radius_of_knot, outer_smoothing_);
+  const double fewer = kLeastFarSpacing / kFarSpacing;
   if (!options_.hierarchical || knots_.count() < kFewKnots || reflectance_.reach(1e-3) < 1.5 * radius) return;
+  if (!isFollowed(reflectance_, radius, cell)) {
+    cell *= fewer, radius *= fewer;
+    if (!isFollowed(reflectance_, radius, cell)) return;
+    outer_smoothing_ = static_cast<float>(radius);
+    for (float& radius_of_knot : smoothing_) radius_of_knot = std::min(radius_of_knot, outer_smoothing_);
+  }
+  has_far_ = true;
   std::map<std::array<std::int64_t, 3>, std::vector<std::uint32_t>> cells;
   for (std::size_t k = 0; k < knots_.count(); ++k) {
     std::array<std::int64_t, 3> key{};
@@ -86,7 +106,6 @@ void Throughput::chooseFarKnots() {
         });
     far_positions_.push_back(knots_.positions[*nearest]);
   }
-  has_far_ = true;
 }
 
 // R_d between two hats, which are three corners' thirds of their triangles: by the middle of each.
@@ -230,8 +249,9 @@ std::vector<Rgb> Throughput::respondSmoothly(const std::vector<Rgb>& power) cons
   std::vector<Rgb> response(knots_.count(), Rgb::Zero());
   tbb::parallel_for(std::size_t{0}, knots_.count(), [&](std::size_t i) {
     for (std::size_t j = 0; j < knots_.count(); ++j)
-      response[i] += power[j] * reflectance_.smoothed(static_cast<float>((knots_.positions[i] - knots_.positions[j]).norm()),
-                                                      outer_smoothing_);
+      response[i] += power[j] * reflectance_.smoothed(
+                                    static_cast<float>((knots_.positions[i] - knots_.positions[j]).norm()),
+                                    outer_smoothing_);
   });
   return response;
 }

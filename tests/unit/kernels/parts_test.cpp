@@ -1,0 +1,132 @@
+// Knots, far factors, components, and the file.
+#include <gtest/gtest.h>
+
+#include "formats/error.h"
+#include "formats/part_tensors.h"
+#include "tests/support/plate.h"
+#include "tests/support/shapes.h"
+#include "tools/kernels/compression.h"
+#include "tools/kernels/point_index.h"
+
+namespace bakelight::kernels {
+namespace {
+
+TEST(Knots, HatsAndTheirRings) {
+  const Knots knots = knotsOf(tests::icosphere(3));
+  double area = 0;
+  for (const double a : knots.areas) area += a;
+  EXPECT_NEAR(area, 4 * std::numbers::pi, 0.1);
+  for (std::size_t k = 0; k < knots.count(); ++k) {
+    const auto ring = knots.ring(k);
+    EXPECT_EQ(ring[0], k);
+    EXPECT_TRUE(ring.size() == 6 || ring.size() == 7);
+    float sum = 0;
+    for (const float weight : knots.sharpeningOf(k)) sum += weight;
+    EXPECT_NEAR(sum, 1, 1e-6F);
+  }
+}
+
+TEST(Knots, CopiesAlongSeamsAreOne) {
+  auto mesh = tests::icosphere(1);
+  tests::append(mesh, tests::icosphere(1));
+  EXPECT_EQ(knotsOf(mesh).count(), knotsOf(tests::icosphere(1)).count());
+}
+
+// By way of far knots as between any two.
+TEST(Throughput, FarKnotsGiveWhatPairsGive) {
+  const Knots knots = knotsOf(tests::icosphere(4, 10));
+  formats::Medium medium = tests::mediumOf(0.8, 0.999);
+  medium.absorption = {1e-3F, 2e-3F, 5e-3F};
+  const auto colors = reflectanceOf(medium);
+  const Reflectance reflectance(colors, 21, 0.1, 0.1);
+  const Throughput pairs(knots, reflectance, {.threshold = 0, .hierarchical = false});
+  const Throughput far(knots, reflectance, {.threshold = 0});
+  ASSERT_GT(far.farCount(), 50U);
+  EXPECT_LT(far.near().columns.size() + far.far().columns.size(), pairs.near().columns.size() / 3);
+  std::vector<Rgb> power(knots.count(), Rgb::Zero());
+  for (std::size_t k = 0; k < knots.count(); ++k)
+    if (knots.positions[k].y() > 6) power[k] = Rgb::Constant(static_cast<float>(knots.areas[k]));
+  const auto expected = pairs.respond(power), found = far.respond(power);
+  double difference = 0, squares = 0;
+  for (std::size_t k = 0; k < knots.count(); ++k) {
+    difference += static_cast<double>((found[k] - expected[k]).square().sum());
+    squares += static_cast<double>(expected[k].square().sum());
+  }
+  EXPECT_LT(std::sqrt(difference / squares), 0.004);
+  EXPECT_GT(difference, 0);
+}
+
+TEST(Throughput, DroppedFactorsAreTold) {
+  const Knots knots = knotsOf(tests::icosphere(4, 10));
+  const auto colors = reflectanceOf(tests::mediumOf(0.8));
+  const Reflectance reflectance(colors, 21, 0.1, 0.1);
+  const Throughput all(knots, reflectance, {.threshold = 0, .hierarchical = false});
+  const Throughput few(knots, reflectance, {.threshold = 1e-4, .hierarchical = false});
+  EXPECT_EQ(all.figures().dropped_share, 0);
+  EXPECT_LT(few.near().columns.size(), all.near().columns.size());
+  std::vector<Rgb> power;
+  for (const double area : knots.areas) power.push_back(Rgb::Constant(static_cast<float>(area)));
+  const auto expected = all.respond(power), found = few.respond(power);
+  double worst = 0;
+  for (std::size_t k = 0; k < knots.count(); ++k)
+    worst = std::max(worst, static_cast<double>((expected[k] - found[k]).maxCoeff()));
+  EXPECT_GT(worst, 0);
+  EXPECT_LE(worst, few.figures().dropped_share * 1.5);  // sharpening adds some
+}
+
+TEST(PointIndex, FindsWhatASearchOfAllFinds) {
+  const auto mesh = tests::icosphere(3);
+  std::vector<Vec3> points;
+  for (const auto& p : mesh.positions) points.push_back(transport::vec3(p));
+  const PointIndex index(points);
+  std::vector<std::uint32_t> found;
+  const Vec3 place(0.3, 0.8, 0.4);
+  index.within(place, 0.5, found);
+  std::vector<std::uint32_t> expected;
+  for (std::uint32_t i = 0; i < points.size(); ++i)
+    if ((points[i] - place).norm() <= 0.5) expected.push_back(i);
+  EXPECT_EQ(found, expected);
+  EXPECT_GT(expected.size(), 10U);
+  index.nearest(place, 7, found);
+  ASSERT_EQ(found.size(), 7U);
+  for (std::size_t i = 1; i < 7; ++i)
+    EXPECT_LE((points[found[i - 1]] - place).norm(), (points[found[i]] - place).norm());
+}
+
+TEST(Compression, RowsOfLowRankAreExact) {
+  std::vector<float> rows;
+  for (int r = 0; r < 500; ++r)
+    for (int c = 0; c < 20; ++c)
+      rows.push_back(std::sin(0.1F * static_cast<float>(r)) * static_cast<float>(c) +
+                     static_cast<float>(r % 7));
+  const CompressedKernels compressed = compress(rows, 20, 1e-5);
+  EXPECT_EQ(compressed.components, 2);
+  for (std::size_t r = 0; r < 500; ++r)
+    for (std::size_t c = 0; c < 20; ++c) {
+      float sum = 0;
+      for (std::size_t k = 0; k < 2; ++k) sum += compressed.weights[r * 2 + k] * compressed.basis[k * 20 + c];
+      EXPECT_NEAR(sum, rows[r * 20 + c], 1e-3F);
+    }
+}
+
+TEST(KernelsFile, ComesBackAsItWas) {
+  const Made made = tests::kernelsOf(tests::plateMesh(24, 4.4), 24, tests::mediumOf(2));
+  formats::PackPart part(made.translucency);
+  formats::TensorFile file = formats::tensorsOf(part);
+  formats::PackPart read{formats::Translucency()};
+  formats::readPart(read, file, "file");
+  EXPECT_EQ(formats::encodeSafetensors(formats::tensorsOf(read)), formats::encodeSafetensors(file));
+
+  formats::TensorFile missing = file;
+  missing.tensors.erase("near.values");
+  EXPECT_THROW(formats::readPart(read, missing, "file"), Error);
+  formats::TensorFile stray = file;
+  stray.metadata["knotCount"] = "3";
+  EXPECT_THROW(formats::readPart(read, stray, "file"), Error);
+  formats::TensorFile other = file;
+  other.metadata["part"] = "lambert";
+  EXPECT_THROW(formats::readPart(read, other, "file"), Error);
+}
+
+}  // namespace
+}  // namespace bakelight::kernels
