@@ -98,7 +98,7 @@ Image truthImage(const reference::Scene& scene, Macro macro, const Window& windo
   Image image = emptyImage(window.side);
   std::vector<double> variances(static_cast<std::size_t>(window.side), 0.0);
   tbb::parallel_for(0, window.side, [&](int y) {
-    std::uint64_t rays = 0;
+    reference::TraceCounts counts;
     for (int x = 0; x < window.side; ++x) {
       const std::size_t pixel = static_cast<std::size_t>(y) * window.side + x;
       reference::BatchMeans means;
@@ -110,7 +110,7 @@ Image truthImage(const reference::Scene& scene, Macro macro, const Window& windo
           const Vec3 through = macroPoint(macro, 1, window.at(x + i), window.at(y + j)).position;
           // Far enough to be above all of the relief, near enough not to meet the other side of a trough.
           const transport::Hit hit = scene.rays().nearestHit(through + 1.5 * kPatchWidth * towards, -towards);
-          if (hit.valid) sum += tracer.exitRadiance(scene.pointAt(hit), towards, {batch, s}, rays);
+          if (hit.valid) sum += tracer.exitRadiance(scene.pointAt(hit), towards, {batch, s}, counts);
         }
         means.add(sum / StratifiedBatch::kSize);
       }

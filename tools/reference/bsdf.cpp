@@ -137,6 +137,13 @@ Bsdf Bsdf::entering(double relative_ior, const Vec3& normal) {
   return bsdf;
 }
 
+Bsdf Bsdf::enteringDiffusely(double relative_ior, double diffuse_transmittance, const Vec3& normal) {
+  Bsdf bsdf(nullptr, Rgb::Constant(1 / diffuse_transmittance), normal, normal);
+  bsdf.entered_ior_ = relative_ior;
+  bsdf.schlick_ = false;
+  return bsdf;
+}
+
 Vec3 Bsdf::local(const Vec3& direction) const {
   return {tangent_.dot(direction), bitangent_.dot(direction), normal_.dot(direction)};
 }
@@ -161,7 +168,9 @@ Rgb Bsdf::value(const Vec3& incoming) const {
   const double cosine = normal_.dot(incoming);
   if (cosine <= 0) return Rgb::Zero();
   Rgb value = albedo_ * (cosine / kPi);
-  if (entered_ior_ > 0) value *= transport::schlickTransmittance(cosine, entered_ior_);
+  if (entered_ior_ > 0)
+    value *= schlick_ ? transport::schlickTransmittance(cosine, entered_ior_)
+                      : 1 - transport::fresnelReflectance(cosine, entered_ior_);
   if (!isMirror()) value += glossyValue(incoming);
   if (!table_rows_.empty()) value += tableValue(incoming);
   return value;

@@ -77,6 +77,10 @@ class Bsdf {
   // What lights from above send into a medium: value() is the cosine times Schlick's transmittance.
   static Bsdf entering(double relative_ior, const Vec3& normal);
 
+  // The same exactly, shared out so that a uniform light of 1 sends 1 in: the cosine times Fresnel's transmittance ÷ π ÷ its mean
+  // `diffuse_transmittance` over such light.
+  static Bsdf enteringDiffusely(double relative_ior, double diffuse_transmittance, const Vec3& normal);
+
   // Per steradian; zero below the surface. Without a mirror's delta.
   Rgb value(const Vec3& incoming) const;
   double densityPerSr(const Vec3& incoming) const;  // of sample()
@@ -113,6 +117,7 @@ class Bsdf {
   const transport::Microfacets* facets_ = nullptr;
   double diffuse_share_ = 1;        // of samples
   double entered_ior_ = 0;          // of what is entered; 0: nothing is
+  bool schlick_ = true;             // how it is entered
   std::vector<double> table_rows_;  // 3 × order²; empty without
   int table_order_ = 0;
 };

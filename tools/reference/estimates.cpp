@@ -1,10 +1,10 @@
 #include "tools/reference/estimates.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/combinable.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <string>
@@ -41,21 +41,20 @@ Eigen::Array4d BatchMeans::varianceOfAll() const {
 }
 
 RoundsReport runRounds(std::size_t elements, const Effort& effort,
-                       const std::function<std::uint64_t(std::size_t, int, int)>& trace,
+                       const std::function<TraceCounts(std::size_t, int, int)>& trace,
                        const std::function<double()>& relative_error, stage::ProgressStyle progress_style) {
   const auto start = std::chrono::steady_clock::now();
   const int most = std::max(effort.samples / kBatchSize, kFirstBatches);
   RoundsReport report;
-  std::atomic<std::uint64_t> rays{0};
+  tbb::combinable<TraceCounts> counts;
   int done = 0;
   int wanted = effort.relative_error > 0 ? kFirstBatches : most;
   while (true) {
     stage::Progress progress(progress_style, "round " + std::to_string(report.rounds + 1),
                              elements * static_cast<std::uint64_t>(wanted - done) * kBatchSize, "samples");
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, elements, kElementsPerTask), [&](const auto& range) {
-      std::uint64_t rays_here = 0;
-      for (std::size_t i = range.begin(); i < range.end(); ++i) rays_here += trace(i, done, wanted);
-      rays += rays_here;
+      TraceCounts& here = counts.local();
+      for (std::size_t i = range.begin(); i < range.end(); ++i) here += trace(i, done, wanted);
       progress.advance(range.size() * static_cast<std::uint64_t>(wanted - done) * kBatchSize);
     });
     done = wanted;
@@ -66,7 +65,7 @@ RoundsReport runRounds(std::size_t elements, const Effort& effort,
   }
   report.samples = done * kBatchSize;
   report.converged = effort.relative_error == 0 || report.relative_error <= effort.relative_error;
-  report.rays = rays;
+  counts.combine_each([&](const TraceCounts& here) { report.counts += here; });
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;
 }

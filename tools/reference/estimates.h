@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "tools/reference/distant_light_sampler.h"
+#include "tools/reference/trace_counts.h"
 #include "tools/stage/progress.h"
 
 namespace bakelight::reference {
@@ -39,18 +40,18 @@ struct RoundsReport {
   double relative_error = 0;
   int samples = 0, rounds = 0;  // samples of each element
   bool converged = true;        // false if `samples` ended it before the relative error was reached
-  std::uint64_t rays = 0;
+  TraceCounts counts;
   double seconds = 0;
 };
 
 // Calls trace(element, first batch, end) for all elements, in parallel, in rounds that double the batches, or
 // come to as many as the error of the last round asks for, until relativeError() is small enough. `trace`
-// returns how many rays it took.
+// returns what it took.
 //
 // That the error is looked at in order to stop biases nothing worth speaking of: one figure stops all
 // elements together, it is an average over them, and which way a single element errs has hardly a part in it.
 RoundsReport runRounds(std::size_t elements, const Effort& effort,
-                       const std::function<std::uint64_t(std::size_t, int, int)>& trace,
+                       const std::function<TraceCounts(std::size_t, int, int)>& trace,
                        const std::function<double()>& relative_error, stage::ProgressStyle progress);
 
 }  // namespace bakelight::reference

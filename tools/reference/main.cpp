@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   std::filesystem::path mesh_path, material_path, brdf_path, environment_path, lights_path, framing_path,
       image_path;
   reference::ReflectionModel model = reference::ReflectionModel::kPhysical;
+  reference::Translucency translucency = reference::Translucency::kDiffusion;
   reference::Patches patches = reference::Patches::kGeometry;
   reference::Options options;
 
@@ -37,6 +38,9 @@ int main(int argc, char** argv) {
   stage::declareFrame(tool, options.frame);
   tool.parameter("reflection", model, reference::kReflectionModels,
                  "physical: ggx by microfacets; lobe, table, none: as a pack's parameter of that name says")
+      .parameter("translucency", translucency, reference::kTranslucencies,
+                 "how light passes through media: by their diffusion model, or by random walks inside the mesh, "
+                 "which must be closed")
       .parameter("patches", patches, reference::kPatches,
                  "geometry: materials' patches with a surface stand on their faces as triangles, by texture "
                  "coordinates; none: faces are smooth")
@@ -64,6 +68,7 @@ int main(int argc, char** argv) {
     reference::Surface surface{formats::readPly(mesh_path), {}};
     transport::requireTraceableScale(surface.mesh, mesh_path.string());
     surface.model = model;
+    surface.translucency = translucency;
     const formats::Materials materials = formats::readMaterialsOrDefault(material_path);
     surface.material =
         formats::materialsOn(surface.mesh, materials, mesh_path.string(), material_path.string());

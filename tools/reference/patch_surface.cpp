@@ -80,6 +80,7 @@ PatchedSurface withPatches(const Surface& given, const formats::Materials& mater
                            const std::string& mesh_file) {
   PatchedSurface result{{{}, given.material, given.model, given.tables}, {}};
   Surface& surface = result.surface;
+  surface.translucency = given.translucency;
   surface.material.vertex_albedo.clear();
   surface.material.of_triangle.clear();
   surface.textures.resize(given.material.names.size());

@@ -1,6 +1,7 @@
 #include "tools/reference/path_tracer.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -128,8 +129,25 @@ Rgb PathTracer::lightFromBelow(Vertex& vertex, const Subsurface& inside, const V
   return entry->weight * exit.albedo * (leaving / std::numbers::pi);
 }
 
+// The same through the medium itself.
+Rgb PathTracer::walkedFrom(Vertex& vertex, const RandomWalk& inside, const Vec3& towards_eye,
+                           TraceCounts& counts) const {
+  const ShadingPoint exit = vertex.point;
+  const RandomWalk::Start start{exit.position, exit.normal, exit.triangle, exit.back_face};
+  // Walks are too long for dimensions of their own.
+  const auto [first, second] = vertex.pair(kEntryPoint);
+  const std::uint64_t seed =
+      transport::scrambled(std::bit_cast<std::uint64_t>(first)) ^ std::bit_cast<std::uint64_t>(second);
+  const auto entry = inside.walk(start, inside.refracted(start, towards_eye), seed, counts);
+  if (!entry) return Rgb::Zero();
+  vertex.point = scene_.pointAt(entry->place);
+  const double leaving =
+      1 - transport::fresnelReflectance(std::abs(exit.normal.dot(towards_eye)), inside.relativeIor());
+  return entry->weight * exit.albedo * leaving;
+}
+
 Rgb PathTracer::exitRadiance(const ShadingPoint& point, const Vec3& outgoing, const SampleOfBatch& sample,
-                             std::uint64_t& rays) const {
+                             TraceCounts& counts) const {
   const bool direct_only =
       options_.transport == Transport::kShadowed || options_.transport == Transport::kUnshadowed;
   const int last_depth = direct_only            ? 0
@@ -142,19 +160,26 @@ Rgb PathTracer::exitRadiance(const ShadingPoint& point, const Vec3& outgoing, co
     const bool glossy = vertex.depth == 0 || options_.transport == Transport::kFull;
     const Glossy* material = glossy ? &scene_.material(vertex.point.material) : nullptr;
     const auto reflecting = [&] {
-      const Subsurface* inside = scene_.subsurface(vertex.point.material);
-      if (inside == nullptr) return Bsdf(material, vertex.point.albedo, vertex.point.normal, towards_eye);
+      const Subsurface* diffusion = scene_.subsurface(vertex.point.material);
+      const RandomWalk* walk = scene_.randomWalk(vertex.point.material);
+      if (diffusion == nullptr && walk == nullptr)
+        return Bsdf(material, vertex.point.albedo, vertex.point.normal, towards_eye);
       if (material != nullptr && !std::holds_alternative<std::monostate>(*material)) {
         throughput *= 2;
         if (vertex.single(kMediumChoice) < 0.5)
           return Bsdf(material, Rgb::Zero(), vertex.point.normal, towards_eye);
       }
-      throughput *= lightFromBelow(vertex, *inside, towards_eye, rays);
-      return Bsdf::entering(inside->relativeIor(), vertex.point.normal);
+      if (walk != nullptr) {
+        throughput *= walkedFrom(vertex, *walk, towards_eye, counts);
+        return Bsdf::enteringDiffusely(walk->relativeIor(), walk->diffuseTransmittance(),
+                                       vertex.point.normal);
+      }
+      throughput *= lightFromBelow(vertex, *diffusion, towards_eye, counts.rays);
+      return Bsdf::entering(diffusion->relativeIor(), vertex.point.normal);
     };
     const Bsdf bsdf = reflecting();
     if ((throughput == 0).all()) return radiance;
-    radiance += throughput * directLight(vertex, bsdf, rays);
+    radiance += throughput * directLight(vertex, bsdf, counts.rays);
 
     const auto [u, v] = vertex.pair(kReflection);
     const double choice = vertex.single(kLobeChoice);
@@ -162,7 +187,7 @@ Rgb PathTracer::exitRadiance(const ShadingPoint& point, const Vec3& outgoing, co
                                                                       : bsdf.sampleUniformly(choice, u, v);
     throughput *= next.weight;
     if ((throughput == 0).all()) return radiance;
-    ++rays;
+    ++counts.rays;
     const transport::Hit hit = nextHit(vertex.point.origin, next.incoming);
     if (!hit.valid || scene_.isEmitter(hit.triangle))
       return radiance + throughput * emittedTowards(vertex.point, next, hit);

@@ -5,6 +5,7 @@
 
 #include "formats/words.h"
 #include "tools/reference/scene.h"
+#include "tools/reference/trace_counts.h"
 #include "transport/random.h"
 
 namespace bakelight::reference {
@@ -48,9 +49,9 @@ class PathTracer {
 
   // One estimate of the radiance that leaves `point` towards `outgoing` (unit). Its mean over samples is
   // exact: paths end by Russian roulette only. Emitters take part in the light on the point, absorb what
-  // falls on them and bound what the point sees. Adds the number of rays to `rays`. Thread-safe.
+  // falls on them and bound what the point sees. Adds to `counts`. Thread-safe.
   Rgb exitRadiance(const ShadingPoint& point, const Vec3& outgoing, const SampleOfBatch& sample,
-                   std::uint64_t& rays) const;
+                   TraceCounts& counts) const;
 
  private:
   struct Vertex;
@@ -58,6 +59,8 @@ class PathTracer {
   Rgb emittedTowards(const ShadingPoint& point, const Bsdf::Sample& sample, const transport::Hit& hit) const;
   Rgb lightFromBelow(Vertex& vertex, const Subsurface& inside, const Vec3& towards_eye,
                      std::uint64_t& rays) const;
+  Rgb walkedFrom(Vertex& vertex, const RandomWalk& inside, const Vec3& towards_eye,
+                 TraceCounts& counts) const;
   bool blocked(const Vec3& origin, const Vec3& direction, double distance) const;
   transport::Hit nextHit(const Vec3& origin, const Vec3& direction) const;
 

@@ -49,13 +49,13 @@ class PixelTracer {
 
   std::size_t pixelCount() const { return pixels_.size(); }
 
-  std::uint64_t trace(std::size_t pixel, int first_batch, int end_batch) {
-    std::uint64_t rays = 0;
+  TraceCounts trace(std::size_t pixel, int first_batch, int end_batch) {
+    TraceCounts counts;
     // The background alone needs no more than its box filter.
     if (covered_[pixel] == 0) end_batch = std::min(end_batch, kBackgroundBatches);
     for (int batch = first_batch; batch < end_batch; ++batch)
-      traceBatch(pixel, StratifiedBatch(seed_, pixel, static_cast<std::uint64_t>(batch)), rays);
-    return rays;
+      traceBatch(pixel, StratifiedBatch(seed_, pixel, static_cast<std::uint64_t>(batch)), counts);
+    return counts;
   }
 
   double relativeError() const {
@@ -86,7 +86,7 @@ class PixelTracer {
     bool sees_object = false;
   };
 
-  void traceBatch(std::size_t index, const StratifiedBatch& batch, std::uint64_t& rays) {
+  void traceBatch(std::size_t index, const StratifiedBatch& batch, TraceCounts& counts) {
     constexpr std::size_t kSize = StratifiedBatch::kSize;
     thread_local transport::RayBundle bundle(kSize);
     thread_local transport::HitBundle hits(kSize);
@@ -101,7 +101,7 @@ class PixelTracer {
     }
     if (covered_[index] != 0) {
       scene_.rays().nearestHits(float3(eye_), bundle, 0, kSize, hits);
-      rays += kSize;
+      counts.rays += kSize;
     } else {
       std::fill(hits.blocked.begin(), hits.blocked.end(), std::uint8_t{0});
     }
@@ -123,7 +123,7 @@ class PixelTracer {
       pixel.sees_object = true;
       const transport::Hit hit{true,      hits.distance[s], hits.triangle[s],
                                hits.u[s], hits.v[s],        hits.back_face[s] != 0};
-      sum += tracer_.exitRadiance(scene_.pointAt(hit), -directions[s], {batch, static_cast<int>(s)}, rays);
+      sum += tracer_.exitRadiance(scene_.pointAt(hit), -directions[s], {batch, static_cast<int>(s)}, counts);
     }
     pixel.radiance.add(sum / kSize);
   }
@@ -204,21 +204,21 @@ class VertexTracer {
     return pixels_.size() * kInterpolatedSubsamples * kInterpolatedSubsamples;
   }
 
-  std::uint64_t trace(std::size_t place, int first_batch, int end_batch) {
+  TraceCounts trace(std::size_t place, int first_batch, int end_batch) {
     const std::uint32_t vertex = seen_[place];
     const ShadingPoint point = scene_.pointAtVertex(vertex);
     const Vec3 offset = eye_ - vec3(scene_.mesh().positions[vertex]);
     // An eye at the vertex itself looks along the normal, as the player's does.
     const Vec3 outgoing = offset.norm() > 0 ? Vec3(offset.normalized()) : point.normal;
-    std::uint64_t rays = 0;
+    TraceCounts counts;
     for (int number = first_batch; number < end_batch; ++number) {
       const StratifiedBatch batch(seed_, vertex, static_cast<std::uint64_t>(number));
       Rgb sum = Rgb::Zero();
       for (int s = 0; s < StratifiedBatch::kSize; ++s)
-        sum += tracer_.exitRadiance(point, outgoing, {batch, s}, rays);
+        sum += tracer_.exitRadiance(point, outgoing, {batch, s}, counts);
       vertices_[vertex].add(sum / StratifiedBatch::kSize);
     }
-    return rays;
+    return counts;
   }
 
   double relativeError() const {
@@ -284,7 +284,7 @@ Picture traceVertices(const Scene& scene, const PathTracer& tracer, const View& 
       [&] { return vertices.relativeError(); }, progress);
   Picture picture = vertices.picture();
   picture.report = report;
-  picture.report.rays += vertices.cameraRays();
+  picture.report.counts.rays += vertices.cameraRays();
   return picture;
 }
 

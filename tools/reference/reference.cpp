@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "formats/error.h"
@@ -12,6 +14,8 @@ namespace bakelight::reference {
 namespace {
 
 using transport::BoundingSphere;
+
+constexpr double kTolerableLoss = 1e-3;  // of walks through media
 
 std::string text(double number) {
   return fmt::format("{:.17g}", number);
@@ -40,7 +44,7 @@ transport::Backdrop backdropOf(const formats::LightRig& rig, const formats::Fram
   };
 }
 
-std::map<std::string, std::string> metadataOf(const Options& options, ReflectionModel model,
+std::map<std::string, std::string> metadataOf(const Options& options, const Surface& surface,
                                               const transport::OrbitCamera& camera,
                                               const BoundingSphere& bounds, const RoundsReport& report) {
   using formats::wordFor;
@@ -50,7 +54,8 @@ std::map<std::string, std::string> metadataOf(const Options& options, Reflection
           {"bakelight:fov_deg", text(camera.field_of_view_deg)},
           {"bakelight:bounds", text(bounds.center) + " " + text(bounds.radius)},
           {"bakelight:transport", wordFor(kTransports, options.paths.transport)},
-          {"bakelight:reflection", wordFor(kReflectionModels, model)},
+          {"bakelight:reflection", wordFor(kReflectionModels, surface.model)},
+          {"bakelight:translucency", wordFor(kTranslucencies, surface.translucency)},
           {"bakelight:bounces", std::to_string(options.paths.bounces)},
           {"bakelight:integrator", wordFor(kIntegrators, options.paths.integrator)},
           {"bakelight:at", wordFor(kAts, options.at)},
@@ -71,7 +76,7 @@ Reference makeReference(const Surface& surface, const formats::LightRig& rig, co
   const auto trace = options.at == At::kPixels ? tracePixels : traceVertices;
   Reference reference{
       trace(scene, tracer, view, options.effort, static_cast<std::uint64_t>(options.seed), progress), {}};
-  reference.metadata = metadataOf(options, surface.model, view.camera, framed, reference.picture.report);
+  reference.metadata = metadataOf(options, surface, view.camera, framed, reference.picture.report);
   return reference;
 }
 
@@ -95,9 +100,22 @@ void reportStats(stage::Run& run, const Picture& picture, const Options& options
   run.stat("samples_per_pixel", report.samples);
   run.stat("rounds", report.rounds);
   run.stat("object_pixels", picture.object_pixels);
-  run.stat("rays", report.rays);
-  run.stat("rays_per_s", report.seconds > 0 ? static_cast<double>(report.rays) / report.seconds : 0.0);
+  const TraceCounts& counts = report.counts;
+  run.stat("rays", counts.rays);
+  run.stat("rays_per_s", report.seconds > 0 ? static_cast<double>(counts.rays) / report.seconds : 0.0);
   run.stat("trace_s", report.seconds);
+  run.stat("walks", counts.walks);
+  run.stat("open_walks", counts.open_walks);
+  run.stat("cut_walks", counts.cut_walks);
+  const auto warnOfLost = [&](std::uint64_t walks, const std::string& what) {
+    const double lost = static_cast<double>(walks) / static_cast<double>(std::max<std::uint64_t>(counts.walks, 1));
+    if (lost > kTolerableLoss)
+      run.warn(fmt::format("{:.2g} % of the walks through media {}, and their light is missing", 100 * lost, what));
+  };
+  warnOfLost(counts.open_walks, "left the mesh through a hole: a medium needs a closed mesh");
+  warnOfLost(counts.cut_walks,
+             fmt::format("were cut off after {} events: little is absorbed, and paths are short for the mesh",
+                         RandomWalk::kMostEvents));
   if (picture.object_pixels == 0) run.warn("no pixel sees the object");
   if (!report.converged)
     run.warn("relative error " + text(report.relative_error) + " after " + std::to_string(report.samples) +

@@ -70,21 +70,23 @@ std::vector<std::uint32_t> materialOfVertices(const Surface& surface) {
   return of_vertex;
 }
 
-std::vector<std::unique_ptr<const Subsurface>> subsurfacesOf(const Surface& surface, const TriangleMesh& mesh,
-                                                             const transport::RayScene& rays) {
+// `Transport` of each medium, by material; null where there is none.
+template <class Transport>
+std::vector<std::unique_ptr<const Transport>> transportIn(const Surface& surface, const TriangleMesh& mesh,
+                                                          const transport::RayScene& rays) {
   const std::vector<std::uint32_t>& of_triangle = surface.material.of_triangle;
-  std::vector<std::unique_ptr<const Subsurface>> subsurfaces;
+  std::vector<std::unique_ptr<const Transport>> of_materials;
   for (std::size_t i = 0; i < surface.material.media.size(); ++i) {
     const std::optional<formats::Medium>& medium = surface.material.media[i];
-    subsurfaces.push_back(nullptr);
+    of_materials.push_back(nullptr);
     if (!medium) continue;
     std::vector<std::uint8_t> of_medium;
     for (const std::uint32_t material : of_triangle) of_medium.push_back(material == i ? 1 : 0);
     // A name that no face has any more.
     if (!of_medium.empty() && std::find(of_medium.begin(), of_medium.end(), 1) == of_medium.end()) continue;
-    subsurfaces.back() = std::make_unique<Subsurface>(*medium, mesh, std::move(of_medium), rays);
+    of_materials.back() = std::make_unique<Transport>(*medium, mesh, std::move(of_medium), rays);
   }
-  return subsurfaces;
+  return of_materials;
 }
 
 }  // namespace
@@ -109,7 +111,12 @@ Scene::Scene(const Surface& surface, const formats::LightRig& rig, const formats
       rays_(ray_mesh_),
       emitter_rays_(emitters.mesh),
       offset_(transport::surfaceOffset(mesh_, surface.bias)),
-      subsurfaces_(subsurfacesOf(surface, mesh_, rays_)) {}
+      subsurfaces_(surface.translucency == Translucency::kDiffusion
+                       ? transportIn<Subsurface>(surface, mesh_, rays_)
+                       : decltype(subsurfaces_)()),
+      random_walks_(surface.translucency == Translucency::kRandomWalk
+                        ? transportIn<RandomWalk>(surface, mesh_, rays_)
+                        : decltype(random_walks_)()) {}
 
 Rgb Scene::albedoOf(std::uint32_t vertex) const {
   return vertex_albedo_.empty() ? albedo_ : Rgb(vec3(vertex_albedo_[vertex]).array());
@@ -158,7 +165,7 @@ ShadingPoint Scene::pointAt(const transport::Hit& hit) const {
     const double below = (position - vec3(mesh_.positions[corners[i]])).dot(vertex_normal);
     lift -= weights[i] * std::min(0.0, below) * vertex_normal;
   }
-  return {position + lift + offset_ * normal, normal, albedo, material, position};
+  return {position + lift + offset_ * normal, normal, albedo, material, position, hit.triangle, hit.back_face};
 }
 
 ShadingPoint Scene::pointAtVertex(std::uint32_t vertex) const {

@@ -16,6 +16,7 @@
 #include "patch/patch_geometry.h"
 #include "tools/reference/bsdf.h"
 #include "tools/reference/emitter_sampler.h"
+#include "tools/reference/random_walk.h"
 #include "tools/reference/subsurface.h"
 #include "transport/camera.h"
 #include "transport/ray_scene.h"
@@ -30,7 +31,17 @@ struct ShadingPoint {
   Rgb albedo;
   std::uint32_t material = 0;    // see Scene::material
   Vec3 position = Vec3::Zero();  // on the surface
+  std::uint32_t triangle = RandomWalk::kNoTriangle;  // that it lies in; none at a vertex
+  bool back_face = false;                            // the triangle's clockwise side is seen
 };
+
+// How light that enters a medium comes out again.
+enum class Translucency {
+  kDiffusion,  // as the medium's diffusion model says, which packs show
+  kRandomWalk  // through the medium itself
+};
+inline constexpr formats::Word<Translucency> kTranslucencies[] = {{"diffusion", Translucency::kDiffusion},
+                                                                  {"random_walk", Translucency::kRandomWalk}};
 
 // What the picture is of.
 struct Surface {
@@ -42,6 +53,7 @@ struct Surface {
   std::vector<std::shared_ptr<const patch::PatchGeometry>> textures = {};
   // How far off the surface rays start, in radii of the bounding sphere.
   double bias = transport::kDefaultBias;
+  Translucency translucency = Translucency::kDiffusion;
 };
 
 class Scene {
@@ -56,9 +68,12 @@ class Scene {
   // The same and the emitters after it: positions and triangles that rays meet.
   const formats::TriangleMesh& rayMesh() const { return ray_mesh_; }
   const Glossy& material(std::uint32_t number) const { return materials_[number]; }
-  // Null where light does not enter.
+  // What light that enters does there, by the surface's translucency; null where none enters, and where it is the other's.
   const Subsurface* subsurface(std::uint32_t number) const {
     return number < subsurfaces_.size() ? subsurfaces_[number].get() : nullptr;
+  }
+  const RandomWalk* randomWalk(std::uint32_t number) const {
+    return number < random_walks_.size() ? random_walks_[number].get() : nullptr;
   }
   const DistantLightSampler& distantLight() const { return distant_; }
   const EmitterSampler& emitters() const { return emitters_; }
@@ -100,6 +115,7 @@ class Scene {
   transport::RayScene rays_, emitter_rays_;
   double offset_;                                               // of rays, off the surface
   std::vector<std::unique_ptr<const Subsurface>> subsurfaces_;  // by material
+  std::vector<std::unique_ptr<const RandomWalk>> random_walks_;
 };
 
 }  // namespace bakelight::reference

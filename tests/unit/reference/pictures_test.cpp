@@ -250,7 +250,7 @@ TEST(Pictures, AreTheSameWithAnyNumberOfThreads) {
     for (std::size_t i = 1; i < made.size(); ++i) {
       EXPECT_EQ(made[0].picture.image.values, made[i].picture.image.values);
       EXPECT_EQ(made[0].metadata, made[i].metadata);
-      EXPECT_EQ(made[0].picture.report.rays, made[i].picture.report.rays);
+      EXPECT_EQ(made[0].picture.report.counts.rays, made[i].picture.report.counts.rays);
     }
     EXPECT_GT(made[0].picture.report.rounds, 1);
     options.seed = 7;

@@ -67,12 +67,12 @@ inline reference::BatchMeans estimate(const reference::Scene& scene, const refer
                                       std::uint64_t element = 0) {
   const reference::PathTracer tracer(scene, options);
   reference::BatchMeans means;
-  std::uint64_t rays = 0;
+  reference::TraceCounts counts;
   for (int number = 0; number < batches; ++number) {
     const transport::StratifiedBatch batch(1, element, static_cast<std::uint64_t>(number));
     Rgb sum = Rgb::Zero();
     for (int s = 0; s < transport::StratifiedBatch::kSize; ++s)
-      sum += tracer.exitRadiance(point, outgoing, {batch, s}, rays);
+      sum += tracer.exitRadiance(point, outgoing, {batch, s}, counts);
     means.add(sum / transport::StratifiedBatch::kSize);
   }
   return means;
