@@ -38,9 +38,10 @@ int main(int argc, char** argv) {
   stage::declareFrame(tool, options.frame);
   tool.parameter("reflection", model, reference::kReflectionModels,
                  "physical: ggx by microfacets; lobe, table, none: as a pack's parameter of that name says")
-      .parameter("translucency", translucency, reference::kTranslucencies,
-                 "how light passes through media: by their diffusion model, or by random walks inside the mesh, "
-                 "which must be closed")
+      .parameter(
+          "translucency", translucency, reference::kTranslucencies,
+          "how light passes through media: by their diffusion model, or by random walks inside the mesh, "
+          "which must be closed")
       .parameter("patches", patches, reference::kPatches,
                  "geometry: materials' patches with a surface stand on their faces as triangles, by texture "
                  "coordinates; none: faces are smooth")

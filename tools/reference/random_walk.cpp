@@ -103,13 +103,20 @@ Vec3 RandomWalk::refracted(const Start& start, const Vec3& towards_eye) const {
 // shorter than a rounding of the coordinates come out right too.
 std::optional<RandomWalk::Boundary> RandomWalk::boundaryOn(const Segment& segment,
                                                            TraceCounts& counts) const {
-  const Vec3 origin = segment.origin - slack_ * segment.direction;
   if (segment.begun == kNoTriangle) {
     ++counts.rays;
-    if (!rays_.occluded(origin, segment.direction, static_cast<float>(segment.length + 2 * slack_)))
+    if (!rays_.occluded(segment.origin - slack_ * segment.direction, segment.direction,
+                        static_cast<float>(segment.length + 2 * slack_)))
       return std::nullopt;
   }
   float from = 0;
+  const auto next = nextOn(segment, from, counts);
+  return next && next->distance <= segment.length ? next : std::nullopt;
+}
+
+std::optional<RandomWalk::Boundary> RandomWalk::nextOn(const Segment& segment, float& from,
+                                                       TraceCounts& counts) const {
+  const Vec3 origin = segment.origin - slack_ * segment.direction;
   // A line meets a triangle once, so this ends.
   while (true) {
     ++counts.rays;
@@ -121,11 +128,20 @@ std::optional<RandomWalk::Boundary> RandomWalk::boundaryOn(const Segment& segmen
     const Vec3 cross = crossOf(hit.triangle);
     const double distance =
         cross.dot(cornerOf(hit.triangle, 0) - segment.origin) / cross.dot(segment.direction);
-    if (distance >= segment.least) {  // false for a triangle that the segment lies in
-      if (distance > segment.length) return std::nullopt;
-      return Boundary{distance, hit};
-    }
+    // False for a triangle that the segment lies in.
+    if (distance >= segment.least) return Boundary{distance, hit};
   }
+}
+
+// Of closed meshes any line tells it.
+int RandomWalk::windingAhead(const Segment& segment, TraceCounts& counts) const {
+  Segment line = segment;
+  line.length = std::numeric_limits<double>::infinity();
+  int winding = 0;
+  float from = 0;
+  while (const auto next = nextOn(line, from, counts))
+    if (next->hit.triangle < mesh_.triangleCount()) winding += next->hit.back_face ? 1 : -1;
+  return winding;
 }
 
 std::optional<RandomWalk::Exit> RandomWalk::walk(const Start& start, const Vec3& direction,
@@ -133,8 +149,22 @@ std::optional<RandomWalk::Exit> RandomWalk::walk(const Start& start, const Vec3&
   RandomNumbers random(seed);
   Rgb weight = Rgb::Ones();
   Segment segment{start.position, direction, 0, slack_ * (kRounding / kSlack), start.triangle};
-  int bodies = 1;  // that the place is in
   ++counts.walks;
+  int winding = windingAhead(segment, counts);
+  // Not in a body: on a sheet without thickness, which lets light through. Past the next face it is, as that one was half of the balance.
+  if (winding == 0) {
+    segment.length = std::numeric_limits<double>::infinity();
+    float from = 0;
+    const auto below = nextOn(segment, from, counts);
+    if (!below || below->hit.triangle >= mesh_.triangleCount()) {
+      ++counts.open_walks;
+      return std::nullopt;
+    }
+    segment.origin += below->distance * direction;
+    segment.begun = below->hit.triangle;
+    winding = below->hit.back_face ? -1 : 1;
+  }
+  const bool inside_out = winding < 0;
   for (int event = 0; event < kMostEvents; ++event) {
     const Eigen::Index color = drawnColor(weight, random.next());
     segment.length = -std::log1p(-random.next()) / extinction_[color];
@@ -165,19 +195,15 @@ std::optional<RandomWalk::Exit> RandomWalk::walk(const Start& start, const Vec3&
     if (hit.triangle >= mesh_.triangleCount() || (!of_medium_.empty() && of_medium_[hit.triangle] == 0))
       return std::nullopt;
     segment.begun = hit.triangle;
-    if (hit.back_face == start.back_face) {  // into another body of the medium
-      ++bodies;
-      continue;
-    }
-    if (--bodies > 0) continue;
+    // Into one more body, or out of one of several.
+    if (hit.back_face == inside_out || windingAhead(segment, counts) * (inside_out ? -1 : 1) > 0) continue;
     const Vec3 normal = crossOf(hit.triangle).normalized();
     const double along = normal.dot(segment.direction);
     if (random.next() >= transport::fresnelReflectance(std::abs(along), 1 / relative_ior_)) {
-      hit.back_face = start.back_face;
+      hit.back_face = inside_out;
       return Exit{hit, weight};
     }
     segment.direction = (segment.direction - 2 * along * normal).normalized();
-    bodies = 1;
   }
   ++counts.cut_walks;
   return std::nullopt;

@@ -39,7 +39,7 @@ class RandomWalk {
     Vec3 position;                         // on the surface
     Vec3 normal;                           // for shading, on the side that is looked at
     std::uint32_t triangle = kNoTriangle;  // that it lies in; none at a vertex
-    bool back_face = false;                // the triangle's clockwise side is looked at: the mesh is inside out
+    bool back_face = false;  // the triangle's clockwise side is looked at: the mesh is inside out
   };
   // Looking from `towards_eye` (unit, above the surface) by Snell's law; below the triangle even if the normal for shading would have it
   // otherwise.
@@ -69,6 +69,10 @@ class RandomWalk {
     std::uint32_t begun;  // the triangle that it begins on
   };
   std::optional<Boundary> boundaryOn(const Segment& segment, TraceCounts& counts) const;
+  // The next on the segment's line from that distance on, which goes past it.
+  std::optional<Boundary> nextOn(const Segment& segment, float& from, TraceCounts& counts) const;
+  // How many bodies the segment's line leaves more often than it enters them: the place is in so many; below 0 if they are inside out.
+  int windingAhead(const Segment& segment, TraceCounts& counts) const;
   bool withinBounds(const Vec3& position) const;
   Vec3 cornerOf(std::uint32_t triangle, std::size_t corner) const;
   Vec3 crossOf(std::uint32_t triangle) const;

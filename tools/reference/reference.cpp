@@ -108,9 +108,11 @@ void reportStats(stage::Run& run, const Picture& picture, const Options& options
   run.stat("open_walks", counts.open_walks);
   run.stat("cut_walks", counts.cut_walks);
   const auto warnOfLost = [&](std::uint64_t walks, const std::string& what) {
-    const double lost = static_cast<double>(walks) / static_cast<double>(std::max<std::uint64_t>(counts.walks, 1));
+    const double lost =
+        static_cast<double>(walks) / static_cast<double>(std::max<std::uint64_t>(counts.walks, 1));
     if (lost > kTolerableLoss)
-      run.warn(fmt::format("{:.2g} % of the walks through media {}, and their light is missing", 100 * lost, what));
+      run.warn(fmt::format("{:.2g} % of the walks through media {}, and their light is missing", 100 * lost,
+                           what));
   };
   warnOfLost(counts.open_walks, "left the mesh through a hole: a medium needs a closed mesh");
   warnOfLost(counts.cut_walks,

@@ -165,7 +165,8 @@ ShadingPoint Scene::pointAt(const transport::Hit& hit) const {
     const double below = (position - vec3(mesh_.positions[corners[i]])).dot(vertex_normal);
     lift -= weights[i] * std::min(0.0, below) * vertex_normal;
   }
-  return {position + lift + offset_ * normal, normal, albedo, material, position, hit.triangle, hit.back_face};
+  return {
+      position + lift + offset_ * normal, normal, albedo, material, position, hit.triangle, hit.back_face};
 }
 
 ShadingPoint Scene::pointAtVertex(std::uint32_t vertex) const {

@@ -29,8 +29,8 @@ struct ShadingPoint {
   Vec3 origin;  // where its rays start, off the surface
   Vec3 normal;  // for shading, on the side that is seen
   Rgb albedo;
-  std::uint32_t material = 0;    // see Scene::material
-  Vec3 position = Vec3::Zero();  // on the surface
+  std::uint32_t material = 0;                        // see Scene::material
+  Vec3 position = Vec3::Zero();                      // on the surface
   std::uint32_t triangle = RandomWalk::kNoTriangle;  // that it lies in; none at a vertex
   bool back_face = false;                            // the triangle's clockwise side is seen
 };

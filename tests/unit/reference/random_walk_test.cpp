@@ -183,8 +183,7 @@ ThroughTheTop walksInto(const TriangleMesh& mesh, const formats::Medium& medium,
 // All colors in one walk, of other albedos and thicknesses.
 TEST(RandomWalk, OfASlabIsAddingDoubling) {
   const Rgb albedo(0.9, 0.5, 0.99), extinction(1, 2, 0.5);
-  const ThroughTheTop walks =
-      walksInto(block(400, 2), mediumOf(albedo, extinction, 1), Vec3::Zero(), 100000);
+  const ThroughTheTop walks = walksInto(block(400, 2), mediumOf(albedo, extinction, 1), Vec3::Zero(), 100000);
   Rgb reflected, transmitted;
   for (int c = 0; c < 3; ++c) {
     const Layer layer(2 * extinction[c], albedo[c], 0, 1, kNodes);
@@ -267,8 +266,7 @@ TEST(RandomWalk, LosesNothingInAWhiteFurnace) {
   const TriangleMesh ball = flatShaded(icosphere(1));
   for (const double eta : {1.0, 1.5})
     for (const TriangleMesh& mesh : {ball, insideOut(ball)}) {
-      const Scene scene =
-          sceneOf(walked(mesh, mediumOf(Rgb::Ones(), Rgb(5, 10, 0.3), eta)), uniformRig());
+      const Scene scene = sceneOf(walked(mesh, mediumOf(Rgb::Ones(), Rgb(5, 10, 0.3), eta)), uniformRig());
       const Vec3 eye(2, 3, 4);
       for (const Vec3& target : {Vec3(0, 0, 0), Vec3(0.3, 0.7, -0.2)}) {
         const Vec3 direction = (target - eye).normalized();
