@@ -151,7 +151,7 @@ std::optional<RandomWalk::Exit> RandomWalk::walk(const Start& start, const Vec3&
   Segment segment{start.position, direction, 0, slack_ * (kRounding / kSlack), start.triangle};
   ++counts.walks;
   int winding = windingAhead(segment, counts);
-  // Not in a body: on a sheet without thickness, which lets light through. Past the next face it is, as that one was half of the balance.
+  // Not in a body: the face is a sheet without thickness or lies doubled, and lets light through. What is below the next one begins there.
   if (winding == 0) {
     segment.length = std::numeric_limits<double>::infinity();
     float from = 0;

@@ -25,8 +25,8 @@ using transport::Vec3;
 
 class RandomWalk {
  public:
-  // Bodies are closed by the triangles of one medium: those of `of_medium` (1 a triangle; empty: all). Where they overlap they are one;
-  // other triangles within absorb what meets them. `rays` are those of the mesh, and maybe more triangles after its own; both outlive this.
+  // The medium fills the bodies that the mesh encloses, where they overlap once. Light passes through triangles of `of_medium` (1 a
+  // triangle; empty: all); others absorb what meets them from inside. `rays` are those of the mesh, and maybe more triangles after its own; both outlive this.
   RandomWalk(const formats::Medium& medium, const formats::TriangleMesh& mesh,
              std::vector<std::uint8_t> of_medium, const transport::RayScene& rays);
 
@@ -39,7 +39,7 @@ class RandomWalk {
     Vec3 position;                         // on the surface
     Vec3 normal;                           // for shading, on the side that is looked at
     std::uint32_t triangle = kNoTriangle;  // that it lies in; none at a vertex
-    bool back_face = false;  // the triangle's clockwise side is looked at: the mesh is inside out
+    bool back_face = false;                // the triangle's clockwise side is looked at
   };
   // Looking from `towards_eye` (unit, above the surface) by Snell's law; below the triangle even if the normal for shading would have it
   // otherwise.
@@ -47,12 +47,12 @@ class RandomWalk {
 
   struct Exit {
     transport::Hit place;  // seen from outside, at the distance of the last segment
-    Rgb weight;            // 0–3, none greater than their mean of 1 by more than the colors differ
+    Rgb weight;            // ≥ 0, of mean ≤ 1
   };
   // One walk from below the surface into `direction`, to where it leaves; nothing where it is absorbed or lost. All colors take one
   // walk: each flight's length is drawn by one of them, chosen by its share of the weight, and weighed by all
-  // (balance heuristic, Wilkie et al. 2014, "Hero Wavelength Spectral Sampling"), so that the weights' sum grows never. Russian roulette begins when
-  // a quarter is left. Scattering and reflection are kMostEvents at most. Adds to `counts`.
+  // (balance heuristic, Wilkie et al. 2014, "Hero Wavelength Spectral Sampling"), so that the weights' sum never grows. Russian roulette begins when
+  // a quarter of it is left. A walk has kMostEvents at most: places where it scatters or meets a triangle. Adds to `counts`.
   std::optional<Exit> walk(const Start& start, const Vec3& direction, std::uint64_t seed,
                            TraceCounts& counts) const;
   static constexpr int kMostEvents = 1 << 20;

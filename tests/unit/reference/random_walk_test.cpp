@@ -277,6 +277,27 @@ TEST(RandomWalk, LosesNothingInAWhiteFurnace) {
     }
 }
 
+TEST(RandomWalk, StartsAtVerticesToo) {
+  const Scene scene = sceneOf(walked(icosphere(2), mediumOf(Rgb::Ones(), Rgb(5, 10, 0.3), 1)), uniformRig());
+  const ShadingPoint point = scene.pointAtVertex(7);
+  expectMean(estimate(scene, {}, point, point.normal, 500), Rgb::Ones(), 0.02);
+}
+
+// As in models of which a face has been made twice.
+TEST(RandomWalk, LetsLightThroughDoubledFaces) {
+  TriangleMesh ball = flatShaded(icosphere(1));
+  const auto covered = static_cast<std::uint32_t>(ball.triangleCount());
+  for (std::uint32_t t = 0; t < covered; t += 2) {
+    const auto [a, b, c] = ball.triangles[t];
+    ball.triangles.push_back(t % 4 == 0 ? formats::Triangle{a, b, c} : formats::Triangle{a, c, b});
+  }
+  const Scene scene = sceneOf(walked(ball, mediumOf(Rgb::Ones(), Rgb(5, 10, 2), 1)), uniformRig());
+  for (const Vec3& eye : {Vec3(2, 3, 4), Vec3(-3, 2, 1), Vec3(1, -4, 0.3), Vec3(0.2, 0.1, 5)}) {
+    const ShadingPoint point = seenFrom(scene, eye, -eye.normalized());
+    expectMean(estimate(scene, {}, point, eye.normalized(), 300), Rgb::Ones(), 0.03);
+  }
+}
+
 TEST(RandomWalk, TakesOverlappingBodiesForOne) {
   TriangleMesh pair = flatShaded(icosphere(1));
   append(pair, flatShaded(icosphere(1, 0.7, Vec3(0.8, 0.1, 0))));
