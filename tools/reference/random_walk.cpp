@@ -150,21 +150,8 @@ std::optional<RandomWalk::Exit> RandomWalk::walk(const Start& start, const Vec3&
   Rgb weight = Rgb::Ones();
   Segment segment{start.position, direction, 0, slack_ * (kRounding / kSlack), start.triangle};
   ++counts.walks;
-  int winding = windingAhead(segment, counts);
-  // Not in a body: the face is a sheet without thickness or lies doubled, and lets light through. What is below the next one begins there.
-  if (winding == 0) {
-    segment.length = std::numeric_limits<double>::infinity();
-    float from = 0;
-    const auto below = nextOn(segment, from, counts);
-    if (!below || below->hit.triangle >= mesh_.triangleCount()) {
-      ++counts.open_walks;
-      return std::nullopt;
-    }
-    segment.origin += below->distance * direction;
-    segment.begun = below->hit.triangle;
-    winding = below->hit.back_face ? -1 : 1;
-  }
-  const bool inside_out = winding < 0;
+  // 0 where a face lies doubled, here or there, and below sheets: the right way round, then.
+  const bool inside_out = windingAhead(segment, counts) < 0;
   for (int event = 0; event < kMostEvents; ++event) {
     const Eigen::Index color = drawnColor(weight, random.next());
     segment.length = -std::log1p(-random.next()) / extinction_[color];

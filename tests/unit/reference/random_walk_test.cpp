@@ -283,18 +283,25 @@ TEST(RandomWalk, StartsAtVerticesToo) {
   expectMean(estimate(scene, {}, point, point.normal, 500), Rgb::Ones(), 0.02);
 }
 
-// As in models of which a face has been made twice.
+// As in models of which a face has been made twice, the same or the other way round: here below the first, or above it by less than rays
+// start off the surface, looked at from both sides.
 TEST(RandomWalk, LetsLightThroughDoubledFaces) {
-  TriangleMesh ball = flatShaded(icosphere(1));
-  const auto covered = static_cast<std::uint32_t>(ball.triangleCount());
-  for (std::uint32_t t = 0; t < covered; t += 2) {
-    const auto [a, b, c] = ball.triangles[t];
-    ball.triangles.push_back(t % 4 == 0 ? formats::Triangle{a, b, c} : formats::Triangle{a, c, b});
-  }
-  const Scene scene = sceneOf(walked(ball, mediumOf(Rgb::Ones(), Rgb(5, 10, 2), 1)), uniformRig());
-  for (const Vec3& eye : {Vec3(2, 3, 4), Vec3(-3, 2, 1), Vec3(1, -4, 0.3), Vec3(0.2, 0.1, 5)}) {
-    const ShadingPoint point = seenFrom(scene, eye, -eye.normalized());
-    expectMean(estimate(scene, {}, point, eye.normalized(), 300), Rgb::Ones(), 0.03);
+  for (const double radius : {0.99, 1.00001}) {
+    TriangleMesh ball = flatShaded(icosphere(1)), doubled = flatShaded(icosphere(1, radius));
+    const std::vector<formats::Triangle> faces = doubled.triangles;
+    doubled.triangles.clear();
+    for (auto [a, b, c] : faces) {
+      if (doubled.positions[a][1] < 0.3F) continue;
+      if (doubled.triangles.size() % 2 == 0) std::swap(b, c);
+      doubled.triangles.push_back({a, b, c});
+    }
+    append(ball, doubled);
+    const Scene scene = sceneOf(walked(ball, mediumOf(Rgb::Ones(), Rgb(5, 10, 2), 1)), uniformRig());
+    for (const Vec3& eye :
+         {Vec3(1, 3, 2), Vec3(-2, 3, 1), Vec3(0, 4, 0.3), Vec3(1, -4, 0.3), Vec3(0.2, 0.1, 5)}) {
+      const ShadingPoint point = seenFrom(scene, eye, -eye.normalized());
+      expectMean(estimate(scene, {}, point, eye.normalized(), 200), Rgb::Ones(), 0.03);
+    }
   }
 }
 
