@@ -61,13 +61,14 @@ class Layer {
   double transmitted() const { return fluxOf(transmittance_.col(cosines_.size() - 1) / kBeamWeight); }
   // Of what has entered, through a boundary that reflects inside. A layer on nothing, so a thick one where η is not 1.
   double reflected() const {
-    Eigen::VectorXd inside = cosines_;
-    for (double& cosine : inside) cosine = transport::fresnelReflectance(cosine, 1 / relative_ior_);
-    const Eigen::MatrixXd again = Eigen::MatrixXd::Identity(inside.size(), inside.size()) -
-                                  reflectance_ * inside.asDiagonal().toDenseMatrix();
-    const Eigen::VectorXd up =
-        again.partialPivLu().solve(reflectance_.col(cosines_.size() - 1) / kBeamWeight);
-    return fluxOf(up.cwiseProduct((1 - inside.array()).matrix()));
+    Eigen::VectorXd beam = Eigen::VectorXd::Zero(cosines_.size());
+    beam[beam.size() - 1] = 1 / kBeamWeight;
+    return reflectedOf(beam);
+  }
+  // The same of light that is uniform outside.
+  double reflectedOfUniform() const {
+    const Eigen::VectorXd entered = Eigen::VectorXd::Ones(cosines_.size()) - reflectedInside();
+    return reflectedOf(entered / fluxOf(entered));
   }
 
  private:
@@ -80,6 +81,18 @@ class Layer {
       sum += (2 * l + 1) * power * std::legendre(l, std::abs(to)) * std::legendre(l, std::abs(from)) *
              (l % 2 == 1 && to * from < 0 ? -1 : 1);
     return sum;
+  }
+  Eigen::VectorXd reflectedInside() const {
+    Eigen::VectorXd inside = cosines_;
+    for (double& cosine : inside) cosine = transport::fresnelReflectance(cosine, 1 / relative_ior_);
+    return inside;
+  }
+  double reflectedOf(const Eigen::VectorXd& down) const {
+    const Eigen::VectorXd inside = reflectedInside();
+    const Eigen::MatrixXd again = Eigen::MatrixXd::Identity(inside.size(), inside.size()) -
+                                  reflectance_ * inside.asDiagonal().toDenseMatrix();
+    const Eigen::VectorXd up = again.partialPivLu().solve(reflectance_ * down);
+    return fluxOf(up.cwiseProduct((1 - inside.array()).matrix()));
   }
   double fluxOf(const Eigen::VectorXd& radiance) const {
     return (radiance.array() * cosines_.array() * weights_.array()).sum();
@@ -110,6 +123,15 @@ TEST(AddingDoubling, HasPublishedFiguresAndConverges) {
           fine(kThick, albedo, 0, relative_ior, 3 * kNodes / 2);
       EXPECT_NEAR(coarse.reflected(), fine.reflected(), 2e-5) << albedo << " " << relative_ior;
     }
+}
+
+// What it matters that light goes in diffusely: along the normal it goes deepest, so least comes back.
+TEST(AddingDoubling, TellsWhatDiffuseEntryLeavesOut) {
+  const double albedos[] = {0.999, 0.99, 0.9, 0.5}, errors[] = {0.006, 0.016, 0.039, 0.059};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Layer half_space(kThick, albedos[i], 0, 1.5, kNodes);
+    EXPECT_NEAR(half_space.reflectedOfUniform() / half_space.reflected() - 1, errors[i], 0.001) << albedos[i];
+  }
 }
 
 // A closed block below y = 0.
