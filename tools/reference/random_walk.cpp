@@ -123,8 +123,11 @@ std::optional<RandomWalk::Boundary> RandomWalk::nextOn(const Segment& segment, f
     const Hit hit = rays_.nearestHit(origin, segment.direction, from);
     if (!hit.valid || hit.distance > segment.length + 2 * slack_) return std::nullopt;
     from = std::nextafter(hit.distance, std::numeric_limits<float>::infinity());
-    if (hit.triangle >= mesh_.triangleCount()) return Boundary{hit.distance - slack_, hit};
     if (hit.triangle == segment.begun) continue;
+    if (hit.triangle >= mesh_.triangleCount()) {  // an emitter
+      if (hit.distance < slack_) continue;
+      return Boundary{hit.distance - slack_, hit};
+    }
     const Vec3 cross = crossOf(hit.triangle);
     const double distance =
         cross.dot(cornerOf(hit.triangle, 0) - segment.origin) / cross.dot(segment.direction);
