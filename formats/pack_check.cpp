@@ -8,6 +8,7 @@
 
 #include "formats/error.h"
 #include "formats/rtt_reflection.h"
+#include "formats/translucency.h"
 
 namespace bakelight::formats {
 namespace {
@@ -289,10 +290,20 @@ class Checker {
     }
   }
 
+  void checkTranslucency(const std::string& element) const {
+    if (pack_.transfer.as<ShTransfer>() == nullptr)
+      throw error(element, "a translucent object needs transfer vectors", "transfer in spherical harmonics");
+    if (pack_.appearances.size() != 1)
+      throw error(element, "a translucent object has other materials", "one", "bake them apart");
+    if (mesh_.texcoords.size() != mesh_.vertexCount())
+      throw error(element, "a translucent object needs texture coordinates", "a mesh with them", "an atlas");
+  }
+
   // What reflects transferred radiance needs the operator that transfers it.
   void checkCombination(const PackPart& reflection, const std::string& element) const {
     const auto* table = reflection.as<BrdfTable>();
     const auto* rtt = reflection.as<RttReflection>();
+    if (reflection.as<Translucency>() != nullptr) return checkTranslucency(element);
     if (table == nullptr && rtt == nullptr && reflection.as<PhongLobe>() == nullptr &&
         reflection.as<GgxLobe>() == nullptr)
       return;

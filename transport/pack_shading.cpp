@@ -6,6 +6,7 @@
 
 #include "transport/all_frequency_shading.h"
 #include "transport/bi_scale_shading.h"
+#include "transport/translucent_shading.h"
 #include "transport/vertex_shading.h"
 
 namespace bakelight::transport {
@@ -27,6 +28,10 @@ std::vector<ShadingTechnique>& shadingTechniques() {
       {"all-frequency", AllFrequencyShading::shades,
        [](const formats::Pack& pack) -> std::unique_ptr<PackShading> {
          return std::make_unique<AllFrequencyShading>(pack);
+       }},
+      {"translucent", TranslucentShading::shades,
+       [](const formats::Pack& pack) -> std::unique_ptr<PackShading> {
+         return std::make_unique<TranslucentShading>(pack);
        }},
   };
   return techniques;

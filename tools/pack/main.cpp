@@ -11,6 +11,7 @@
 #include "tools/pack/packing.h"
 #include "tools/pack/report.h"
 #include "tools/pack/transfer_reader.h"
+#include "tools/pack/translucency_packing.h"
 #include "tools/stage/stage.h"
 
 using namespace bakelight;
@@ -35,7 +36,7 @@ formats::Materials withoutPatches(formats::Materials materials) {
 
 int main(int argc, char** argv) {
   std::filesystem::path mesh_path, material_path, transfer_path, brdf_path, rtt_path, btf_path, btfs_path,
-      id_map_path, pack_path;
+      id_map_path, kernels_path, pack_path;
   packing::PackingOptions options;
   formats::PackOptions file_options;
   Patches worn = Patches::kWorn;
@@ -57,6 +58,8 @@ int main(int argc, char** argv) {
       .input("id_map", "id_map", id_map_path,
              "Which place of its patch each texel shows; without it, texture coordinates lay the patches out",
              false)
+      .input("kernels", "tensors", kernels_path,
+             "How light goes through the mesh, as kernels writes it for a material with a medium", false)
       .output("pack", "pack", pack_path, "binary glTF file (.glb)")
       .parameter("name", options.name, {}, "Name of the asset, shown by glTF viewers")
       .parameter("precision", options.precision, formats::kPrecisions,
@@ -102,9 +105,12 @@ int main(int argc, char** argv) {
       patches = packing::readPatchSources(rtt_path, id_map_path);
     formats::Materials materials = formats::readMaterialsOrDefault(material_path);
     if (worn == Patches::kNone) materials = withoutPatches(std::move(materials));
+    std::optional<formats::Translucency> translucency;
+    if (!kernels_path.empty()) translucency = packing::readTranslucency(kernels_path, mesh);
     for (const std::string& name : formats::translucentMaterials(materials))
-      run.warn("the medium of " + (name.empty() ? "the asset's own material" : "\"" + name + "\"") +
-               " is left out: packs have none, and show its albedo as diffuse reflection");
+      if (!translucency)
+        run.warn("the medium of " + (name.empty() ? "the asset's own material" : "\"" + name + "\"") +
+                 " is left out: without kernels a pack shows its albedo as diffuse reflection");
     packing::takeMaterials(materials, patches);
     if (!btfs_path.empty())
       for (formats::BtfTable& table : formats::readBtfTables(btfs_path))
@@ -122,6 +128,7 @@ int main(int argc, char** argv) {
                                material_path.string(), rtt_path.string(), id_map_path.string()},
                               patches, &textures);
     formats::Pack ordered = pack;
+    if (translucency) packing::makeTranslucent(std::move(*translucency), kernels_path.string(), ordered);
     if (const std::size_t dropped = packing::orderByMaterial(ordered); dropped > 0)
       run.warn(std::to_string(dropped) + " vertices without a triangle were left out");
     const formats::Bytes bytes = formats::encodePack(ordered, file_options, pack_path.string());

@@ -24,6 +24,8 @@ extern const ShaderSource kPixelRowsComp;
 extern const ShaderSource kPatchProjectComp;
 extern const ShaderSource kPatchSurfaceVert;
 extern const ShaderSource kPatchSurfaceFrag;
+extern const ShaderSource kTranslucentVert;
+extern const ShaderSource kTranslucentFrag;
 extern const ShaderSource kProjectRowsComp;
 extern const ShaderSource kProjectSumComp;
 extern const ShaderSource kSurfaceVert;

@@ -7,6 +7,7 @@
 #include "formats/error.h"
 #include "tools/player/techniques/all_frequency.h"
 #include "tools/player/techniques/bi_scale.h"
+#include "tools/player/techniques/translucent.h"
 #include "tools/player/techniques/vertex_radiance.h"
 
 namespace bakelight::player {
@@ -28,6 +29,10 @@ std::vector<PlayedTechnique>& techniques() {
       {"all-frequency", AllFrequency::plays, AllFrequency::needs,
        [](const formats::Pack& pack, const SurfaceMesh& mesh, bool) -> std::unique_ptr<Technique> {
          return std::make_unique<AllFrequency>(pack, mesh);
+       }},
+      {"translucent", Translucent::plays, Translucent::needs,
+       [](const formats::Pack& pack, const SurfaceMesh& mesh, bool) -> std::unique_ptr<Technique> {
+         return std::make_unique<Translucent>(pack, mesh);
        }},
   };
   return techniques;

@@ -1,0 +1,18 @@
+// What the tool `kernels` baked, as a pack's reflection.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "formats/pack_contents.h"
+#include "formats/translucency.h"
+
+namespace bakelight::packing {
+
+// Throws Error(kBadInput) naming file and tensor, as formats::readPart; and if it is of another mesh.
+formats::Translucency readTranslucency(const std::filesystem::path& path, const formats::TriangleMesh& mesh);
+
+// Throws Error(kBadInput) naming `file` for a pack of several materials.
+void makeTranslucent(formats::Translucency translucency, const std::string& file, formats::Pack& pack);
+
+}  // namespace bakelight::packing

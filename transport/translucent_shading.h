@@ -1,0 +1,53 @@
+// Shading of a translucent object (formats/translucency.h): what enters at vertices by transfer vectors, what comes out by
+// TranslucentResponse, and Fresnel's share of it towards the eye. What the player's technique shows, on the CPU.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "formats/pack_contents.h"
+#include "transport/pack_shading.h"
+#include "transport/translucent_response.h"
+
+namespace bakelight::transport {
+
+class TranslucentShading final : public PackShading {
+ public:
+  // SH transfer, and one appearance whose reflection is Translucency.
+  static bool shades(const formats::Pack& pack);
+  // Throws std::invalid_argument if the pack's tables do not fit its mesh.
+  explicit TranslucentShading(const formats::Pack& pack);
+
+  LightNeeds needs() const override { return {order_, near_center_}; }
+  // Transfer vectors hold what the surface lets in already. On all TBB threads; same bytes for any number.
+  void setLight(std::span<const Float3> distant, std::span<const Float3> near) override;
+  void setView(const ViewPoint& view) override { eye_ = view.eye; }
+  void radianceAt(std::span<const SurfaceHit> hits, std::span<Float3> radiance) const override;
+
+  void setBranches(TranslucentResponse::Branches branches) { branches_ = branches; }
+  int resolution() const { return resolution_; }
+  double relativeIor() const { return eta_; }
+  // Radiosity below the surface, resolution² texels, rows from the top: RGB, and 1 where there is any, else 0. Pictures take
+  // the mean of the four around a place by distance, of those that have a 1.
+  std::span<const formats::Float4> radiosity() const { return radiosity_; }
+  // A stain on the surface: the share of exit radiance of each vertex that passes.
+  std::span<const Float3> stain() const { return stain_; }
+
+ private:
+  int order_, channels_, resolution_;
+  double eta_;
+  std::optional<Vec3> near_center_;
+  std::vector<float> vectors_, near_vectors_;  // near_vectors_: empty where vectors_ serve for both
+  formats::TriangleMesh mesh_;
+  std::vector<Float3> stain_;
+  std::vector<std::uint32_t> knots_;
+  std::size_t knot_count_;
+  std::vector<std::uint32_t> places_;  // of receivers
+  TranslucentResponse response_;
+  TranslucentResponse::Branches branches_ = TranslucentResponse::Branches::kBoth;
+  std::vector<formats::Float4> radiosity_;
+  Vec3 eye_ = Vec3::Zero();
+};
+
+}  // namespace bakelight::transport
