@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "transport/morton.h"
 #include "transport/sum_product.h"
@@ -61,6 +63,19 @@ std::vector<std::uint32_t> sortedRows(const formats::PixelCodes& codes) {
   std::vector<std::uint32_t> rows(keys.size());
   for (std::size_t i = 0; i < keys.size(); ++i) rows[i] = static_cast<std::uint32_t>(keys[i]);
   return rows;
+}
+
+// One tile, or as many halves as tables must be cut into to be small enough.
+void shareInHalves(const formats::PixelCodes& codes, std::span<const std::uint32_t> rows,
+                   const SumOptions& options, std::vector<TileSums>& tiles) {
+  if (std::optional<TileSums> tile = shareSums(codes, rows, options)) {
+    tiles.push_back(std::move(*tile));
+  } else if (rows.size() == 1) {
+    tiles.push_back(plainTile(codes, rows));
+  } else {
+    shareInHalves(codes, rows.first(rows.size() / 2), options, tiles);
+    shareInHalves(codes, rows.subspan(rows.size() / 2), options, tiles);
+  }
 }
 
 void append(const TileSums& tile, const formats::PixelCodes& codes, formats::SumGrammar& grammar) {
@@ -140,19 +155,21 @@ formats::SumGrammar compress(const formats::PixelCodes& codes, const SumOptions&
   grammar.row_count = codes.rowCount();
   const std::vector<std::uint32_t> rows = sortedRows(codes);
   const std::size_t tiles = (rows.size() + options.rows_per_tile - 1) / options.rows_per_tile;
-  std::vector<TileSums> done(tiles);
+  std::vector<std::vector<TileSums>> done(tiles);
   tbb::parallel_for(
       std::size_t{0}, tiles,
       [&](std::size_t tile) {
         const std::size_t begin = rows.size() * tile / tiles, end = rows.size() * (tile + 1) / tiles;
-        done[tile] = shareSums(codes, std::span(rows).subspan(begin, end - begin), options);
+        shareInHalves(codes, std::span(rows).subspan(begin, end - begin), options, done[tile]);
       },
       tbb::simple_partitioner());
   grammar.tiles.push_back({});
-  for (TileSums& tile : done) {
-    append(tile, codes, grammar);
-    tile = {};
-    grammar.tiles.push_back(endOf(grammar));
+  for (std::vector<TileSums>& parts : done) {
+    for (const TileSums& tile : parts) {
+      append(tile, codes, grammar);
+      grammar.tiles.push_back(endOf(grammar));
+    }
+    parts = {};
   }
   return grammar;
 }

@@ -100,7 +100,7 @@ int main(int argc, char** argv) {
   std::filesystem::path transfer_path, out_path;
   Method method = Method::kSums;
   double tolerance = 0;
-  int least_uses = 2, rows_per_tile = 6144;
+  int least_uses = 2, rows_per_tile = 24576;
 
   stage::Tool tool(
       "bicluster",
@@ -116,7 +116,7 @@ int main(int argc, char** argv) {
                  "sky; 0: exact")
       .parameter("least_uses", least_uses, {2, 1000}, "uses",
                  "Of a sum, at least: more makes tables smaller and rows longer")
-      .parameter("rows_per_tile", rows_per_tile, {64, 1048576}, "rows", "That share tables");
+      .parameter("rows_per_tile", rows_per_tile, {64, 1048576}, "rows", "That share tables, at most");
 
   return tool.run(argc, argv, [&](stage::Run& run) {
     const bicluster::TransferRows transfer = bicluster::readTransferRows(transfer_path);

@@ -26,9 +26,13 @@ std::uint64_t mixed(Symbol first, Symbol second) {
 class Round {
  public:
   Round(SymbolLists& lists, std::uint32_t threshold, std::size_t most_symbols)
-      : lists_(lists), threshold_(threshold), most_symbols_(most_symbols) {}
+      : lists_(lists),
+        threshold_(threshold),
+        most_symbols_(most_symbols),
+        frequencies_(lists.hashes.size(), 0) {}
 
   void run() {
+    for (const Symbol symbol : lists_.symbols) ++frequencies_[symbol];
     countPairs();
     for (std::uint32_t i = 0; i < lists_.listCount(); ++i) choose(i);
     replace();
@@ -39,10 +43,10 @@ class Round {
     std::uint32_t list, slot;
   };
   struct Candidate {
-    std::uint32_t count;
+    double order;
     std::uint32_t slot;
-    std::uint64_t order;
-    std::uint32_t first, second;  // in the list
+    std::uint64_t tie;
+    std::uint32_t first, second;  // among the list's frequent symbols
   };
 
   template <class Function>
@@ -51,16 +55,29 @@ class Round {
       for (std::size_t j = i + 1; j < std::min(length, i + 1 + kReach); ++j) function(i, j);
   }
 
+  bool isFrequent(Symbol symbol) const { return frequencies_[symbol] >= threshold_; }
+
+  // A pair is in no more lists than either of its symbols: the others need not be paired.
+  std::span<const Symbol> frequentSymbols(std::size_t i) {
+    frequent_.clear();
+    for (const Symbol symbol : lists_.list(i))
+      if (isFrequent(symbol)) frequent_.push_back(symbol);
+    return frequent_;
+  }
+
   void countPairs() {
     std::size_t pairs = 0;
     for (std::size_t i = 0; i < lists_.listCount(); ++i) {
-      const std::size_t length = lists_.list(i).size();
+      const auto list = lists_.list(i);
+      const auto length = static_cast<std::size_t>(
+          std::count_if(list.begin(), list.end(), [&](Symbol symbol) { return isFrequent(symbol); }));
+      if (length < 2) continue;
       pairs += length <= kReach ? length * (length - 1) / 2 : length * kReach;
     }
     slots_.assign(std::bit_ceil(pairs + pairs / 2 + 2), {});
     slot_of_pair_.reserve(pairs);
     for (std::size_t i = 0; i < lists_.listCount(); ++i) {
-      const auto list = lists_.list(i);
+      const auto list = frequentSymbols(i);
       forPairs(list.size(), [&](std::size_t a, std::size_t b) {
         slot_of_pair_.push_back(slotOf(list[a], list[b]));
         ++slots_[slot_of_pair_.back()].count;
@@ -81,21 +98,27 @@ class Round {
     return static_cast<std::uint32_t>(at);
   }
 
-  // The list's commonest pairs that do not overlap. A sum of two parts is itself such a pair's sum.
+  // A pair is worth its count, and the more the less its symbols occur without each other, where they would miss what is joined.
+  double orderOf(const PairSlot& pair) const {
+    const double count = pair.count;
+    return count * count / (frequencies_[pair.first] + frequencies_[pair.second]);
+  }
+
+  // The list's best pairs that do not overlap. A sum of two parts is itself such a pair's sum.
   void choose(std::uint32_t i) {
-    const auto list = lists_.list(i);
+    const auto list = frequentSymbols(i);
     std::size_t pair = next_pair_;
     candidates_.clear();
     forPairs(list.size(), [&](std::size_t a, std::size_t b) {
       const std::uint32_t slot = slot_of_pair_[pair++];
       if (slots_[slot].count >= threshold_)
-        candidates_.push_back({slots_[slot].count, slot, mixed(list[a], list[b]),
+        candidates_.push_back({orderOf(slots_[slot]), slot, mixed(list[a], list[b]),
                                static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b)});
     });
     next_pair_ = pair;
-    if (candidates_.empty() || (i >= lists_.rows && list.size() == 2)) return;
+    if (candidates_.empty() || (i >= lists_.rows && lists_.list(i).size() == 2)) return;
     std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
-      return a.count != b.count ? a.count > b.count : a.order < b.order;
+      return a.order != b.order ? a.order > b.order : a.tie < b.tie;
     });
     taken_.assign(list.size(), 0);
     for (const Candidate& candidate : candidates_) {
@@ -162,6 +185,8 @@ class Round {
   SymbolLists& lists_;
   std::uint32_t threshold_;
   std::size_t most_symbols_;
+  std::vector<std::uint32_t> frequencies_;  // of each symbol: lists with it
+  std::vector<Symbol> frequent_;
   mutable std::vector<PairSlot> slots_;
   std::vector<std::uint32_t> slot_of_pair_;
   std::size_t next_pair_ = 0;

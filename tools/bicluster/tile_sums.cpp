@@ -5,12 +5,13 @@
 
 #include "formats/sum_grammar.h"
 #include "tools/bicluster/symbol_lists.h"
+#include "transport/cube_map.h"
 #include "transport/morton.h"
 
 namespace bakelight::bicluster {
 namespace {
 
-constexpr std::uint32_t kPieceUses = 3;
+constexpr std::uint32_t kPieceUses = 4;
 constexpr std::uint32_t kThresholds[] = {8, 5, 4, 3, 2, 2, 2};
 
 std::uint64_t randomNumber(std::uint64_t x) {  // splitmix64
@@ -24,47 +25,44 @@ struct TexelAt {
   std::uint32_t place, leaf;
 };
 
-// Along a curve on which a square of 2ⁿ × 2ⁿ texels is one piece, as are its halves.
-std::uint32_t placeOf(std::uint16_t column, int side) {
+// Along a curve on which a square of 2ⁿ × 2ⁿ texels is one piece, as are its halves. Texels that are seen in part lie apart: few rows
+// have the same, and what is whole beside them is common.
+std::uint32_t placeOf(std::uint16_t column, bool whole, int side) {
   const auto x = static_cast<std::uint16_t>(column % side),
              y = static_cast<std::uint16_t>(column / side % side);
-  return static_cast<std::uint32_t>(column / side / side) << 14 | transport::mortonCode(x, y);
+  const auto face = static_cast<std::uint32_t>(column / side / side) + (whole ? 0U : transport::kCubeFaces);
+  return face << 14 | transport::mortonCode(x, y);
 }
 
+// Empty if there are more leaves than a tile may have.
 TileTexels texelsOf(const formats::PixelCodes& codes, std::span<const std::uint32_t> rows,
                     std::vector<TileSums::Leaf>& leaves) {
-  TileTexels texels;
-  std::vector<std::uint32_t> keys;
+  const std::size_t full = static_cast<std::size_t>(codes.subsamples) * codes.subsamples;
+  const auto keyOf = [&](std::uint64_t i) { return codes.columns[i] * full + codes.codes[i] - 1; };
+  constexpr std::uint32_t kUnused = ~std::uint32_t{0};
+  std::vector<std::uint32_t> leaf_of_key(codes.columnCount() * full, kUnused);
   for (const std::uint32_t row : rows)
     for (std::uint64_t i = codes.row_offsets[row]; i < codes.row_offsets[row + 1]; ++i)
-      texels.leaves.push_back(std::uint32_t{codes.columns[i]} << 8 | codes.codes[i]);
-  keys = texels.leaves;
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  std::vector<std::uint32_t> first_of_column(codes.columnCount() + 1, 0);
-  for (const std::uint32_t key : keys) {
-    leaves.push_back({static_cast<std::uint16_t>(key >> 8), static_cast<std::uint8_t>(key)});
+      leaf_of_key[keyOf(i)] = 0;
+  TileTexels texels;
+  for (std::size_t key = 0; key < leaf_of_key.size(); ++key) {
+    if (leaf_of_key[key] == kUnused) continue;
+    leaf_of_key[key] = static_cast<std::uint32_t>(leaves.size());
+    leaves.push_back({static_cast<std::uint16_t>(key / full), static_cast<std::uint8_t>(key % full + 1)});
     texels.leaf_hashes.push_back(randomNumber(key));
-    ++first_of_column[(key >> 8) + 1];
   }
-  std::partial_sum(first_of_column.begin(), first_of_column.end(), first_of_column.begin());
-  texels.places.resize(texels.leaves.size());
+  if (leaves.size() > formats::kMostTileEntries / 2) return texels;
   std::vector<TexelAt> row_texels;
-  std::size_t begin = 0;
   for (const std::uint32_t row : rows) {
-    const std::size_t end = begin + (codes.row_offsets[row + 1] - codes.row_offsets[row]);
     row_texels.clear();
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t key = texels.leaves[i];
-      std::uint32_t leaf = first_of_column[key >> 8];
-      while (leaves[leaf].code != static_cast<std::uint8_t>(key)) ++leaf;
-      row_texels.push_back({placeOf(static_cast<std::uint16_t>(key >> 8), codes.cube_side), leaf});
-    }
+    for (std::uint64_t i = codes.row_offsets[row]; i < codes.row_offsets[row + 1]; ++i)
+      row_texels.push_back(
+          {placeOf(codes.columns[i], codes.codes[i] == full, codes.cube_side), leaf_of_key[keyOf(i)]});
     std::sort(row_texels.begin(), row_texels.end(),
               [](const TexelAt& a, const TexelAt& b) { return a.place < b.place; });
     for (const TexelAt& texel : row_texels)
-      texels.places[begin] = texel.place, texels.leaves[begin++] = texel.leaf;
-    texels.row_begins.push_back(static_cast<std::uint32_t>(begin));
+      texels.places.push_back(texel.place), texels.leaves.push_back(texel.leaf);
+    texels.row_begins.push_back(static_cast<std::uint32_t>(texels.leaves.size()));
   }
   return texels;
 }
@@ -211,6 +209,8 @@ class Tables {
   std::vector<Sum> sums_;
 };
 
+}  // namespace
+
 TileSums plainTile(const formats::PixelCodes& codes, std::span<const std::uint32_t> rows) {
   TileSums tile;
   tile.plain = true;
@@ -222,17 +222,15 @@ TileSums plainTile(const formats::PixelCodes& codes, std::span<const std::uint32
   return tile;
 }
 
-}  // namespace
-
-TileSums shareSums(const formats::PixelCodes& codes, std::span<const std::uint32_t> rows,
-                   const SumOptions& options) {
+std::optional<TileSums> shareSums(const formats::PixelCodes& codes, std::span<const std::uint32_t> rows,
+                                  const SumOptions& options) {
   TileSums tile;
   const TileTexels texels = texelsOf(codes, rows, tile.leaves);
-  if (tile.leaves.size() > formats::kMostTileEntries / 2) return plainTile(codes, rows);
+  if (texels.leaves.empty()) return std::nullopt;
   SymbolLists lists = cutIntoPieces(texels, std::max(kPieceUses, options.least_uses));
   for (const std::uint32_t threshold : kThresholds)
     pairUp(lists, std::max(threshold, options.least_uses), formats::kMostTileEntries);
-  if (!Tables(lists, rows, tile).build()) return plainTile(codes, rows);
+  if (!Tables(lists, rows, tile).build()) return std::nullopt;
   const std::size_t entries = texels.leaves.size();
   const std::size_t bytes = 3 * tile.leaves.size() + 4 * tile.sums.size() + 2 * tile.terms.size();
   const std::size_t additions = tile.leaves.size() + tile.sums.size() + tile.terms.size();

@@ -219,6 +219,22 @@ TEST(Compression, SharesWhatRowsHaveInCommon) {
   EXPECT_LT(formats::encodedBytes(formats::encodeSumGrammar(grammar)), rows.columns.size());
 }
 
+// Forty bundles of equal rows, none with a texel in the code of another's: 40,000 leaves, of which no table holds all. Each bundle is a
+// sum of 1,000 leaves that its 20 rows have in common, a twentieth of their entries.
+TEST(Compression, CutsTilesWhoseTablesWouldBeTooLarge) {
+  PixelRows rows = empty(32, 1, 15);
+  for (int bundle = 0; bundle < 40; ++bundle)
+    for (int row = 0; row < 20; ++row) {
+      for (int i = 0; i < 1000; ++i) rows.columns.push_back(static_cast<std::uint16_t>(100 * bundle + i));
+      rows.codes.insert(rows.codes.end(), 1000, static_cast<std::uint8_t>(1 + bundle));
+      rows.row_offsets.push_back(rows.columns.size());
+    }
+  const SumGrammar grammar = compress(rows.view());
+  EXPECT_GE(grammar.tileCount(), 2U);
+  EXPECT_EQ(reconstructionErrors(grammar, rows.view()), 0U);
+  EXPECT_LE(operationsOf(grammar).executed, 2 * rows.columns.size() / 20);
+}
+
 TEST(Compression, RefusesRowsThatAreNotSorted) {
   PixelRows rows = ball(2, 8, 4, 2);
   std::swap(rows.columns[3], rows.columns[4]);
