@@ -38,7 +38,7 @@ struct CompressedTransfer {
 // Compressed sparse rows. `codes` must outlive it. Bytes: of three streams, lengths of rows, steps between columns and codes.
 CompressedTransfer plainRows(const formats::PixelCodes& codes);
 
-// What tools/bicluster made; `bytes` of its file, `operations` as it counts them.
+// What compress() of shared_sums.h made; `bytes` of its file, `operations` as it counts them.
 CompressedTransfer sharedSums(formats::SumGrammar grammar, std::uint64_t bytes, std::uint64_t operations);
 
 // The largest size within the budget, to kBudgetSlack where sizes can be had so finely: `bytes_at` falls as its argument rises from 0 to

@@ -25,13 +25,13 @@
 #include <string>
 #include <vector>
 
+#include "compression/shared_sums.h"
+#include "compression/tolerance.h"
 #include "formats/mesh_import.h"
 #include "formats/sum_grammar_file.h"
 #include "tests/bench/roofline.h"
 #include "tests/support/rippled_ball.h"
-#include "tools/bicluster/bicluster.h"
 #include "tools/bicluster/greedy.h"
-#include "tools/bicluster/tolerance.h"
 #include "tools/player/gl/gl_context.h"
 #include "tools/player/techniques/pixel_product.h"
 #include "tools/simplify/simplify.h"
@@ -42,6 +42,12 @@
 namespace bakelight::bicluster {
 namespace {
 
+using compression::bytesInMemory;
+using compression::compress;
+using compression::operationsOf;
+using compression::reconstructionErrors;
+using compression::TolerantRows;
+using compression::withinTolerance;
 using formats::PixelCodes;
 using formats::PixelRows;
 using formats::TriangleMesh;

@@ -23,12 +23,12 @@
 #include "compression/errors.h"
 #include "compression/haar_rows.h"
 #include "compression/harmonics.h"
+#include "compression/shared_sums.h"
+#include "compression/tolerance.h"
 #include "compression/wavelets_4d.h"
 #include "formats/light_rig_file.h"
 #include "formats/mesh_import.h"
 #include "formats/sum_grammar_code.h"
-#include "tools/bicluster/bicluster.h"
-#include "tools/bicluster/tolerance.h"
 #include "tools/simplify/simplify.h"
 #include "tools/transfer/pixel_transfer.h"
 #include "transport/cube_light.h"
@@ -99,9 +99,9 @@ struct Subject {
     sums = sumsOf(rows.view());
   }
   static CompressedTransfer sumsOf(const formats::PixelCodes& codes) {
-    formats::SumGrammar grammar = bicluster::compress(codes);
+    formats::SumGrammar grammar = compress(codes);
     const std::uint64_t bytes = formats::encodeSums(grammar).byteCount(),
-                        operations = bicluster::operationsOf(grammar).counted;
+                        operations = operationsOf(grammar).counted;
     return sharedSums(std::move(grammar), bytes, operations);
   }
 };
@@ -115,7 +115,7 @@ CompressedTransfer tolerantSums(std::uint64_t budget) {
   solveForBytes(
       [&](double tolerance) {
         CompressedTransfer sums =
-            Subject::sumsOf(bicluster::withinTolerance(subject().rows.view(), tolerance).rows.view());
+            Subject::sumsOf(withinTolerance(subject().rows.view(), tolerance).rows.view());
         sums.parameters = "tolerance " + std::to_string(tolerance);
         const std::uint64_t bytes = sums.bytes;
         if (bytes <= budget && (!best || bytes >= best->bytes)) best = std::move(sums);

@@ -3,15 +3,15 @@
 
 #include <memory>
 
+#include "compression/shared_sums.h"
 #include "formats/pixel_transfer.h"
-#include "tools/bicluster/bicluster.h"
 
 namespace bakelight::tests {
 
 inline formats::PixelTransfer compressed(const formats::PixelTransfer& rows,
-                                         const bicluster::SumOptions& options = {}) {
+                                         const compression::SumOptions& options = {}) {
   const formats::PixelTransferRows read(rows);
-  auto grammar = std::make_shared<const formats::SumGrammar>(bicluster::compress(read.view(), options));
+  auto grammar = std::make_shared<const formats::SumGrammar>(compression::compress(read.view(), options));
   formats::PixelTransfer result = rows;
   result.row_lengths.data = result.columns.data = result.codes.data = {};
   const formats::CodedSums coded = formats::encodeSums(*grammar);

@@ -6,11 +6,11 @@
 #include <string>
 #include <utility>
 
+#include "compression/shared_sums.h"
+#include "compression/tolerance.h"
 #include "formats/error.h"
 #include "formats/sum_grammar_file.h"
-#include "tools/bicluster/bicluster.h"
 #include "tools/bicluster/greedy.h"
-#include "tools/bicluster/tolerance.h"
 #include "tools/bicluster/transfer_rows.h"
 #include "tools/stage/stage.h"
 
@@ -50,7 +50,7 @@ std::string textOf(double value) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), static_cast<float>(value)).ptr};
 }
 
-void takeFigures(double tolerance, const bicluster::ToleranceFigures& figures, formats::TensorFile& file) {
+void takeFigures(double tolerance, const compression::ToleranceFigures& figures, formats::TensorFile& file) {
   if (tolerance == 0) return;
   file.metadata["tolerance"] = textOf(tolerance);
   file.metadata["largest_error"] = textOf(figures.largest_error);
@@ -72,16 +72,16 @@ void writeRows(const formats::PixelCodes& codes, formats::TensorFile file,
 
 // Read back and compared, entry by entry.
 void writeSums(stage::Run& run, const formats::PixelCodes& codes, const formats::TensorFile& transfer,
-               const bicluster::SumOptions& options, double tolerance,
-               const bicluster::ToleranceFigures& figures, const std::filesystem::path& path) {
+               const compression::SumOptions& options, double tolerance,
+               const compression::ToleranceFigures& figures, const std::filesystem::path& path) {
   const double start = seconds();
-  const formats::SumGrammar grammar = bicluster::compress(codes, options);
+  const formats::SumGrammar grammar = compression::compress(codes, options);
   run.stat("compress_s", seconds() - start);
   formats::TensorFile file = formats::encodeSumGrammar(grammar);
-  reportSizes(run, codes, static_cast<double>(bicluster::operationsOf(grammar).counted),
+  reportSizes(run, codes, static_cast<double>(compression::operationsOf(grammar).counted),
               static_cast<double>(formats::encodedBytes(file)));
-  run.stat("operations_executed", bicluster::operationsOf(grammar).executed);
-  run.stat("bytes_in_memory", bicluster::bytesInMemory(grammar));
+  run.stat("operations_executed", compression::operationsOf(grammar).executed);
+  run.stat("bytes_in_memory", compression::bytesInMemory(grammar));
   run.stat("tiles", grammar.tileCount());
   takeFrames(transfer, file);
   takeFigures(tolerance, figures, file);
@@ -89,7 +89,7 @@ void writeSums(stage::Run& run, const formats::PixelCodes& codes, const formats:
   const double loading = seconds();
   const formats::SumGrammar loaded = formats::decodeSumGrammar(formats::readSafetensors(path), path.string());
   run.stat("load_s", seconds() - loading);
-  const std::uint64_t errors = bicluster::reconstructionErrors(loaded, codes);
+  const std::uint64_t errors = compression::reconstructionErrors(loaded, codes);
   run.stat("reconstruction_errors", errors);
   if (errors != 0) throw std::logic_error("rows differ after they were read back");
 }
@@ -120,10 +120,10 @@ int main(int argc, char** argv) {
 
   return tool.run(argc, argv, [&](stage::Run& run) {
     const bicluster::TransferRows transfer = bicluster::readTransferRows(transfer_path);
-    bicluster::TolerantRows changed;
+    compression::TolerantRows changed;
     formats::PixelCodes codes = transfer.codes;
     if (tolerance > 0) {
-      changed = bicluster::withinTolerance(codes, tolerance);
+      changed = compression::withinTolerance(codes, tolerance);
       codes = changed.rows.view();
     }
     run.stat("rows", codes.rowCount());

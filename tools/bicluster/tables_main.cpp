@@ -10,12 +10,12 @@
 #include <optional>
 #include <vector>
 
+#include "compression/shared_sums.h"
 #include "formats/file.h"
 #include "formats/frame_settings.h"
 #include "formats/json.h"
 #include "formats/pack.h"
 #include "formats/sum_grammar_code.h"
-#include "tools/bicluster/bicluster.h"
 #include "tools/bicluster/greedy.h"
 #include "tools/bicluster/transfer_rows.h"
 #include "tools/stage/stage.h"
@@ -70,8 +70,8 @@ Method plain(const formats::PixelCodes& codes) {
 Method sums(const formats::PixelCodes& codes) {
   Method method{"sums"};
   formats::SumGrammar grammar;
-  method.compress_s = secondsOf([&] { grammar = bicluster::compress(codes); });
-  method.operations = static_cast<double>(bicluster::operationsOf(grammar).counted);
+  method.compress_s = secondsOf([&] { grammar = compression::compress(codes); });
+  method.operations = static_cast<double>(compression::operationsOf(grammar).counted);
   method.bytes = static_cast<double>(formats::encodeSums(grammar).byteCount());
   method.parts = grammar.sum_parts.size() / 2;
   std::vector<transport::Radiance4> values(grammar.row_places.size());

@@ -8,10 +8,10 @@
 #include "compression/errors.h"
 #include "compression/haar_rows.h"
 #include "compression/harmonics.h"
+#include "compression/shared_sums.h"
+#include "compression/tolerance.h"
 #include "compression/wavelets_4d.h"
 #include "formats/sum_grammar_code.h"
-#include "tools/bicluster/bicluster.h"
-#include "tools/bicluster/tolerance.h"
 #include "tools/report/text.h"
 #include "transport/all_frequency_shading.h"
 #include "transport/morton.h"
@@ -34,7 +34,7 @@ const formats::PixelTransfer& transferOf(const formats::Pack& pack) {
 }
 
 formats::PixelRows rowsOf(const formats::PixelTransfer& transfer) {
-  if (transfer.sums) return bicluster::decode(*transfer.sums->grammar);
+  if (transfer.sums) return compression::decode(*transfer.sums->grammar);
   const formats::PixelTransferRows rows(transfer);
   const formats::PixelCodes codes = rows.view();
   return {codes.cube_side,
@@ -59,9 +59,9 @@ std::vector<std::uint32_t> orderOf(const formats::Pack& pack) {
 }
 
 CompressedTransfer sumsOf(const formats::PixelCodes& codes) {
-  formats::SumGrammar grammar = bicluster::compress(codes);
+  formats::SumGrammar grammar = compression::compress(codes);
   const std::uint64_t bytes = formats::encodeSums(grammar).byteCount(),
-                      operations = bicluster::operationsOf(grammar).counted;
+                      operations = compression::operationsOf(grammar).counted;
   return compression::sharedSums(std::move(grammar), bytes, operations);
 }
 
@@ -72,7 +72,7 @@ CompressedTransfer tolerantSums(std::uint64_t budget, const formats::PixelCodes&
   double best_tolerance = 1;
   compression::solveForBytes(
       [&](double tolerance) {
-        CompressedTransfer sums = sumsOf(bicluster::withinTolerance(codes, tolerance).rows.view());
+        CompressedTransfer sums = sumsOf(compression::withinTolerance(codes, tolerance).rows.view());
         const std::uint64_t bytes = sums.bytes;
         if (bytes <= budget && (!best || bytes >= best->bytes))
           best = std::move(sums), best_tolerance = tolerance;

@@ -4,13 +4,13 @@
 
 #include <cstdlib>
 
+#include "compression/shared_sums.h"
 #include "formats/error.h"
 #include "formats/pack.h"
 #include "formats/sum_grammar_file.h"
 #include "tests/support/pixel_transfer_file.h"
 #include "tests/support/shapes.h"
 #include "tests/support/temporary_folder.h"
-#include "tools/bicluster/bicluster.h"
 #include "tools/pack/packing.h"
 
 namespace bakelight {
@@ -55,12 +55,12 @@ TEST_F(BiclusterTool, WritesWhatPacksHold) {
   EXPECT_EQ(transfer.changes.has_value(), false);
   const formats::PixelTransferRows read(rows);
   EXPECT_FALSE(transfer.sums->grammar->sum_parts.empty());
-  EXPECT_EQ(bicluster::reconstructionErrors(*transfer.sums->grammar, read.view()), 0U);
+  EXPECT_EQ(compression::reconstructionErrors(*transfer.sums->grammar, read.view()), 0U);
 
   const formats::Pack again = formats::decodePack(formats::encodePack(pack, {}, "pack"), "pack");
   const auto& opened = *again.transfer.as<formats::PixelTransfer>();
   ASSERT_TRUE(opened.sums && opened.sums->grammar);
-  EXPECT_EQ(bicluster::reconstructionErrors(*opened.sums->grammar, read.view()), 0U);
+  EXPECT_EQ(compression::reconstructionErrors(*opened.sums->grammar, read.view()), 0U);
 }
 
 TEST_F(BiclusterTool, TellsTheToleranceAndItsError) {

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "tools/bicluster/bicluster.h"
+#include "compression/shared_sums.h"
 #include "tools/player/gl/gl_context.h"
 #include "transport/sum_product.h"
 
@@ -92,7 +92,7 @@ class PixelProducts : public testing::TestWithParam<Case> {
 
 TEST_P(PixelProducts, AreThoseOfTheRows) {
   const PixelRows rows = GetParam().rows();
-  const formats::SumGrammar sums = bicluster::compress(rows.view(), {GetParam().rows_per_tile, 2});
+  const formats::SumGrammar sums = compression::compress(rows.view(), {GetParam().rows_per_tile, 2});
   ASSERT_EQ(!sums.leaf_columns.empty(), GetParam().shares);
   expectRows(RowProduct(rows.view()), rows);
   expectRows(SumProduct(sums), rows);
@@ -101,7 +101,7 @@ TEST_P(PixelProducts, AreThoseOfTheRows) {
 // Buffers so small that rows, tiles and slices come in many.
 TEST_P(PixelProducts, AreTheSameInParts) {
   const PixelRows rows = GetParam().rows();
-  const formats::SumGrammar sums = bicluster::compress(rows.view(), {GetParam().rows_per_tile, 2});
+  const formats::SumGrammar sums = compression::compress(rows.view(), {GetParam().rows_per_tile, 2});
   expectRows(RowProduct(rows.view(), 4096), rows);
   const SumProduct product(sums, 8192);
   EXPECT_GT(product.partCount(), 1U);
@@ -119,7 +119,7 @@ TEST(PixelProduct, OfNothingDoesNothing) {
   PixelRows rows;
   rows.local_side = 1;
   rows.row_offsets = {0, 0, 0};
-  const SumProduct product(bicluster::compress(rows.view()));
+  const SumProduct product(compression::compress(rows.view()));
   const Float3 kept = {1, 2, 3};
   const Buffer light = makeBuffer(6144 * sizeof(Float3), nullptr), incident = makeBuffer(sizeof(kept), &kept);
   product.run(light, incident);

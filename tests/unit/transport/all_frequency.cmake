@@ -1,3 +1,3 @@
 bakelight_test(all_frequency_test
   SOURCES all_frequency_shading_test.cpp
-  LIBRARIES bakelight_transport bakelight_bicluster)
+  LIBRARIES bakelight_transport bakelight_shared_sums bakelight_formats_sum_grammar)

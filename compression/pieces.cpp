@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <bit>
 
-#include "tools/bicluster/symbol_lists.h"
+#include "compression/symbol_lists.h"
 
-namespace bakelight::bicluster {
+namespace bakelight::compression {
 namespace {
 
 constexpr int kSquareLevels = 6;  // halvings of 8 × 8 texels
@@ -149,4 +149,4 @@ SymbolLists cutIntoPieces(const TileTexels& texels, std::uint32_t least_uses) {
   return Cutter(texels, least_uses).cut();
 }
 
-}  // namespace bakelight::bicluster
+}  // namespace bakelight::compression

@@ -9,7 +9,7 @@
 
 #include "formats/pixel_transfer.h"
 
-namespace bakelight::bicluster {
+namespace bakelight::compression {
 
 struct SumOptions {
   // Most. Tables of some 40,000 sums still fit into a core's second cache. With a quarter of the rows operations are 3 to 6 % more.
@@ -41,4 +41,4 @@ std::optional<TileSums> shareSums(const formats::PixelCodes& codes, std::span<co
 // The rows as they are.
 TileSums plainTile(const formats::PixelCodes& codes, std::span<const std::uint32_t> rows);
 
-}  // namespace bakelight::bicluster
+}  // namespace bakelight::compression

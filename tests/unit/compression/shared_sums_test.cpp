@@ -1,4 +1,4 @@
-#include "tools/bicluster/bicluster.h"
+#include "compression/shared_sums.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,92 +7,26 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <random>
 
+#include "compression/tolerance.h"
 #include "formats/error.h"
 #include "formats/sum_grammar_file.h"
-#include "tools/bicluster/greedy.h"
-#include "tools/bicluster/tolerance.h"
+#include "tests/support/pixel_rows.h"
 #include "transport/cube_map.h"
-#include "transport/hemisphere_grid.h"
 #include "transport/sum_product.h"
 
-namespace bakelight::bicluster {
+namespace bakelight::compression {
 namespace {
 
 using formats::PixelCodes;
 using formats::PixelRows;
 using formats::SumGrammar;
+using namespace tests;
 using transport::Radiance4;
-using transport::Vec3;
-
-// What an open vertex sees: texels by the cell of the hemisphere about `normal`, fractions along the horizon and along the edge of
-// a blocker, a cone.
-void addVertex(PixelRows& rows, const Vec3& normal, const Vec3& tangent, const Vec3& blocker,
-               double blocker_cosine) {
-  const Vec3 bitangent = normal.cross(tangent);
-  const int side = rows.cube_side, local = rows.local_side, sub = rows.subsamples;
-  std::vector<std::map<std::uint16_t, std::uint8_t>> cells(static_cast<std::size_t>(local) * local);
-  for (int k = 0; k < 6 * side * side; ++k) {
-    const int x = k % side, y = k / side % side, face = k / side / side;
-    std::uint8_t code = 0;
-    for (int s = 0; s < sub * sub; ++s) {
-      const Vec3 d = transport::directionOfCubeFace(face, (x + (s % sub + 0.5) / sub) / side,
-                                                    (y + (s / sub + 0.5) / sub) / side);
-      if (d.dot(normal) > 0 && d.dot(blocker) < blocker_cosine) ++code;
-    }
-    if (code == 0) continue;
-    const Vec3 d = transport::directionOfCubeFace(face, (x + 0.5) / side, (y + 0.5) / side);
-    const transport::SquarePoint p =
-        transport::squareFromHemisphere(Vec3(d.dot(tangent), d.dot(bitangent), d.dot(normal)));
-    const int column = std::min(local - 1, static_cast<int>(p.a * local)),
-              row = std::min(local - 1, static_cast<int>(p.b * local));
-    cells[static_cast<std::size_t>(row) * local + column][static_cast<std::uint16_t>(k)] = code;
-  }
-  for (const auto& cell : cells) {
-    for (const auto& [column, code] : cell) rows.columns.push_back(column), rows.codes.push_back(code);
-    rows.row_offsets.push_back(rows.columns.size());
-  }
-}
-
-PixelRows empty(int cube_side, int local_side, int subsamples) {
-  PixelRows rows;
-  rows.cube_side = cube_side, rows.local_side = local_side, rows.subsamples = subsamples;
-  return rows;
-}
-
-PixelRows ball(int vertices, int cube_side, int local_side, int subsamples, double blocker_cosine = 0.8,
-               bool flip = false) {
-  PixelRows rows = empty(cube_side, local_side, subsamples);
-  std::mt19937 random(7);
-  std::normal_distribution<double> normal;
-  for (int v = 0; v < vertices; ++v) {
-    const Vec3 n = Vec3(normal(random), normal(random), normal(random)).normalized();
-    Vec3 t = n.cross(Vec3(normal(random), normal(random), normal(random))).normalized();
-    if (flip && v % 2 == 1) t = -t;
-    addVertex(rows, n, t, Vec3(0, 1, 0), blocker_cosine);
-  }
-  return rows;
-}
-
-PixelRows noise(int rows_wanted, int most_entries, int cube_side, int subsamples) {
-  PixelRows rows = empty(cube_side, 1, subsamples);
-  std::mt19937 random(11);
-  for (int row = 0; row < rows_wanted; ++row) {
-    std::map<std::uint16_t, std::uint8_t> entries;
-    const int count = static_cast<int>(random() % (most_entries + 1));
-    for (int i = 0; i < count; ++i)
-      entries[static_cast<std::uint16_t>(random() % (6 * cube_side * cube_side))] =
-          static_cast<std::uint8_t>(1 + random() % (subsamples * subsamples));
-    for (const auto& [column, code] : entries) rows.columns.push_back(column), rows.codes.push_back(code);
-    rows.row_offsets.push_back(rows.columns.size());
-  }
-  return rows;
-}
 
 // Each entry with a column and a code that no other has, as far as there are such.
 PixelRows allDistinct() {
-  PixelRows rows = empty(32, 1, 15);
+  PixelRows rows = emptyRows(32, 1, 15);
   for (int row = 0; row < 600; ++row) {
     for (int i = 0; i < 1000; ++i) rows.columns.push_back(static_cast<std::uint16_t>(i * 6 + row % 6));
     for (int i = 0; i < 1000; ++i) rows.codes.push_back(static_cast<std::uint8_t>(1 + row / 6 * 2 % 225));
@@ -110,27 +44,23 @@ void PrintTo(const Case& c, std::ostream* out) {
 }
 
 const Case kCases[] = {
-    {"Structured", [] { return ball(60, 16, 8, 2); }},
-    {"OneVertex", [] { return ball(1, 32, 8, 2); }},
-    {"NothingBlocked", [] { return ball(20, 16, 8, 2, 2); }},
-    {"AllBlocked", [] { return ball(5, 8, 8, 2, -2); }},
-    {"FlippedFrames", [] { return ball(20, 16, 8, 2, 0.8, true); }},
-    {"FineDirections", [] { return ball(3, 32, 32, 2); }},
-    {"ManyCodes", [] { return ball(12, 12, 4, 15); }},
-    {"WholeTexels", [] { return ball(12, 10, 4, 1); }},
-    {"OddSide", [] { return ball(6, 7, 3, 3); }},
-    {"LargestMap", [] { return ball(2, 104, 8, 2); }},
-    {"Noise", [] { return noise(2000, 40, 16, 3); }},
-    {"LongRows", [] { return noise(20, 3000, 32, 2); }},
+    {"Structured", [] { return ballRows(60, 16, 8, 2); }},
+    {"OneVertex", [] { return ballRows(1, 32, 8, 2); }},
+    {"NothingBlocked", [] { return ballRows(20, 16, 8, 2, 2); }},
+    {"AllBlocked", [] { return ballRows(5, 8, 8, 2, -2); }},
+    {"FlippedFrames", [] { return ballRows(20, 16, 8, 2, 0.8, true); }},
+    {"FineDirections", [] { return ballRows(3, 32, 32, 2); }},
+    {"ManyCodes", [] { return ballRows(12, 12, 4, 15); }},
+    {"WholeTexels", [] { return ballRows(12, 10, 4, 1); }},
+    {"OddSide", [] { return ballRows(6, 7, 3, 3); }},
+    {"LargestMap", [] { return ballRows(2, 104, 8, 2); }},
+    {"Noise", [] { return noiseRows(2000, 40, 16, 3); }},
+    {"LongRows", [] { return noiseRows(20, 3000, 32, 2); }},
     {"AllDistinct", [] { return allDistinct(); }},
-    {"NoRows", [] { return empty(32, 8, 2); }},
+    {"NoRows", [] { return emptyRows(32, 8, 2); }},
 };
 
 class Compressed : public testing::TestWithParam<Case> {};
-
-bool same(const PixelRows& a, const PixelRows& b) {
-  return a.row_offsets == b.row_offsets && a.columns == b.columns && a.codes == b.codes;
-}
 
 std::vector<Radiance4> sunAndSky(std::size_t texels) {
   std::vector<Radiance4> light(texels);
@@ -143,7 +73,7 @@ std::vector<Radiance4> sunAndSky(std::size_t texels) {
 TEST_P(Compressed, GivesEveryRowBack) {
   const PixelRows rows = GetParam().rows();
   const SumGrammar grammar = compress(rows.view());
-  EXPECT_TRUE(same(decode(grammar), rows));
+  EXPECT_TRUE(sameRows(decode(grammar), rows));
   EXPECT_EQ(reconstructionErrors(grammar, rows.view()), 0U);
 }
 
@@ -155,7 +85,7 @@ TEST_P(Compressed, SurvivesItsFile) {
   EXPECT_EQ(loaded.terms, grammar.terms);
   EXPECT_EQ(loaded.sum_parts, grammar.sum_parts);
   EXPECT_EQ(loaded.level_ends, grammar.level_ends);
-  EXPECT_TRUE(same(decode(loaded), rows));
+  EXPECT_TRUE(sameRows(decode(loaded), rows));
 }
 
 // Against sums in double precision, of the largest light that there may be and the least.
@@ -212,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Compressed, testing::ValuesIn(kCases),
                          [](const auto& kind) { return kind.param.name; });
 
 TEST(Compression, SharesWhatRowsHaveInCommon) {
-  const PixelRows rows = ball(300, 16, 8, 2);
+  const PixelRows rows = ballRows(300, 16, 8, 2);
   const SumGrammar grammar = compress(rows.view());
   EXPECT_LT(static_cast<double>(operationsOf(grammar).counted),
             0.5 * 2 * static_cast<double>(rows.columns.size()));
@@ -222,7 +152,7 @@ TEST(Compression, SharesWhatRowsHaveInCommon) {
 // Forty bundles of equal rows, none with a texel in the code of another's: 40,000 leaves, of which no table holds all. Each bundle is a
 // sum of 1,000 leaves that its 20 rows have in common, a twentieth of their entries.
 TEST(Compression, CutsTilesWhoseTablesWouldBeTooLarge) {
-  PixelRows rows = empty(32, 1, 15);
+  PixelRows rows = emptyRows(32, 1, 15);
   for (int bundle = 0; bundle < 40; ++bundle)
     for (int row = 0; row < 20; ++row) {
       for (int i = 0; i < 1000; ++i) rows.columns.push_back(static_cast<std::uint16_t>(100 * bundle + i));
@@ -236,17 +166,17 @@ TEST(Compression, CutsTilesWhoseTablesWouldBeTooLarge) {
 }
 
 TEST(Compression, RefusesRowsThatAreNotSorted) {
-  PixelRows rows = ball(2, 8, 4, 2);
+  PixelRows rows = ballRows(2, 8, 4, 2);
   std::swap(rows.columns[3], rows.columns[4]);
   EXPECT_THROW(compress(rows.view()), std::invalid_argument);
-  rows = ball(2, 8, 4, 2);
+  rows = ballRows(2, 8, 4, 2);
   rows.codes[5] = 0;
   EXPECT_THROW(compress(rows.view()), std::invalid_argument);
 }
 
 // Any byte of any tensor, with a digest that fits and without.
 TEST(SumGrammarFile, BrokenOnesAreRefusedOrHarmless) {
-  const PixelRows rows = ball(8, 8, 4, 2);
+  const PixelRows rows = ballRows(8, 8, 4, 2);
   const formats::TensorFile whole = formats::encodeSumGrammar(compress(rows.view()));
   for (const auto& [name, tensor] : whole.tensors) {
     formats::TensorFile broken = whole;
@@ -277,43 +207,8 @@ TEST(SumGrammarFile, BrokenOnesAreRefusedOrHarmless) {
   EXPECT_THROW(formats::decodeSumGrammar(smaller, "broken"), Error);
 }
 
-TEST(Greedy, TakesTheWholeMatrixApart) {
-  for (const PixelRows& rows : {ball(12, 12, 4, 2), noise(200, 20, 8, 3), ball(1, 16, 8, 2)}) {
-    const Biclusters biclusters = greedyBiclusters(rows.view(), 3);
-    EXPECT_TRUE(same(decode(biclusters), rows));
-    EXPECT_LE(biclusters.operations(), 2 * rows.columns.size());
-  }
-}
-
-// The paper's example (IV.C): 3 × 4 elements, twelve of which eleven are not zero; one bicluster of 3 rows and 4 columns costs 10, and
-// 2 elements of the residual 4.
-TEST(Greedy, FindsThePapersBicluster) {
-  PixelRows rows = empty(1, 1, 2);
-  rows.columns = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2};
-  rows.codes = {4, 2, 3, 4, 4, 3, 3, 4, 4, 2, 3};
-  rows.row_offsets = {0, 4, 8, 11};
-  // Where it starts decides what it finds.
-  std::uint64_t fewest = 100;
-  for (std::uint64_t seed = 1; seed < 20; ++seed) {
-    const Biclusters biclusters = greedyBiclusters(rows.view(), seed);
-    EXPECT_TRUE(same(decode(biclusters), rows));
-    EXPECT_LT(biclusters.operations(), 2 * rows.columns.size());
-    fewest = std::min(fewest, biclusters.operations());
-  }
-  EXPECT_LE(fewest, 14U);
-}
-
-TEST(Greedy, MultipliesAsTheMatrixDoes) {
-  const PixelRows rows = ball(10, 12, 4, 2);
-  std::vector<Radiance4> light(rows.view().columnCount(), Radiance4(1, 2, 3, 0));
-  std::vector<Radiance4> expected(rows.view().rowCount()), values(rows.view().rowCount());
-  transport::multiply(rows.view(), light, expected);
-  multiply(greedyBiclusters(rows.view()), light, values);
-  for (std::size_t row = 0; row < values.size(); ++row) EXPECT_NEAR(values[row][1], expected[row][1], 1e-4);
-}
-
 TEST(Tolerance, IsKept) {
-  const PixelRows rows = ball(60, 32, 8, 2);
+  const PixelRows rows = ballRows(60, 32, 8, 2);
   double operations = 1e30;
   for (const double tolerance : {0.0, 0.02, 0.1, 0.4}) {
     const TolerantRows changed = withinTolerance(rows.view(), tolerance);
@@ -334,7 +229,7 @@ TEST(Tolerance, IsKept) {
     }
     // A texel may be changed twice, of which the second may take the first back.
     EXPECT_LE(largest, changed.figures.largest_error + 1e-9);
-    EXPECT_EQ(same(changed.rows, rows), tolerance == 0);
+    EXPECT_EQ(sameRows(changed.rows, rows), tolerance == 0);
     const auto counted = static_cast<double>(operationsOf(compress(after)).counted);
     EXPECT_LT(counted, operations) << tolerance;
     operations = counted;
@@ -342,4 +237,4 @@ TEST(Tolerance, IsKept) {
 }
 
 }  // namespace
-}  // namespace bakelight::bicluster
+}  // namespace bakelight::compression

@@ -5,7 +5,7 @@
 
 #include "formats/pixel_transfer.h"
 
-namespace bakelight::bicluster {
+namespace bakelight::compression {
 
 // Errors of L*_j under light of at most 1 in all directions, as shares of what its cell of the hemisphere would get under a white
 // sky with nothing in the way, 2π / local_side².
@@ -28,4 +28,4 @@ struct TolerantRows {
 // left of the row's tolerance. On all TBB threads, the same whatever their number. Linear in the entries.
 TolerantRows withinTolerance(const formats::PixelCodes& codes, double tolerance);
 
-}  // namespace bakelight::bicluster
+}  // namespace bakelight::compression

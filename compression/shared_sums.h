@@ -8,11 +8,11 @@
 
 #include <cstdint>
 
+#include "compression/tile_sums.h"
 #include "formats/pixel_transfer.h"
 #include "formats/sum_grammar.h"
-#include "tools/bicluster/tile_sums.h"
 
-namespace bakelight::bicluster {
+namespace bakelight::compression {
 
 // On all TBB threads; the same whatever their number. Time and memory are linear in the entries. Throws std::invalid_argument for rows
 // that are not as formats/pixel_transfer.h says, or 2³² of them or more.
@@ -33,4 +33,4 @@ struct Operations {
 Operations operationsOf(const formats::SumGrammar& grammar);
 std::uint64_t bytesInMemory(const formats::SumGrammar& grammar);
 
-}  // namespace bakelight::bicluster
+}  // namespace bakelight::compression

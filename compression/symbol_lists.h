@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace bakelight::bicluster {
+namespace bakelight::compression {
 
 using Symbol = std::uint32_t;
 
@@ -41,4 +41,4 @@ SymbolLists cutIntoPieces(const TileTexels& texels, std::uint32_t least_uses);
 // (recursive pairing, Larsson & Moffat 1999, on sets and in rounds). At most `most_symbols` symbols come to be.
 void pairUp(SymbolLists& lists, std::uint32_t threshold, std::size_t most_symbols);
 
-}  // namespace bakelight::bicluster
+}  // namespace bakelight::compression

@@ -1,4 +1,4 @@
-#include "tools/bicluster/bicluster.h"
+#include "compression/shared_sums.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
@@ -13,7 +13,7 @@
 #include "transport/morton.h"
 #include "transport/sum_product.h"
 
-namespace bakelight::bicluster {
+namespace bakelight::compression {
 namespace {
 
 void check(const formats::PixelCodes& codes) {
@@ -231,4 +231,4 @@ std::uint64_t bytesInMemory(const formats::SumGrammar& grammar) {
          bytes(grammar.term_codes) + bytes(grammar.row_places);
 }
 
-}  // namespace bakelight::bicluster
+}  // namespace bakelight::compression

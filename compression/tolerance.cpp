@@ -1,4 +1,4 @@
-#include "tools/bicluster/tolerance.h"
+#include "compression/tolerance.h"
 
 #include <tbb/parallel_for.h>
 
@@ -10,7 +10,7 @@
 
 #include "transport/cube_map.h"
 
-namespace bakelight::bicluster {
+namespace bakelight::compression {
 namespace {
 
 struct Entry {
@@ -154,4 +154,4 @@ TolerantRows withinTolerance(const formats::PixelCodes& codes, double tolerance)
   return changed;
 }
 
-}  // namespace bakelight::bicluster
+}  // namespace bakelight::compression

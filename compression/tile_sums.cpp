@@ -1,14 +1,14 @@
-#include "tools/bicluster/tile_sums.h"
+#include "compression/tile_sums.h"
 
 #include <algorithm>
 #include <numeric>
 
+#include "compression/symbol_lists.h"
 #include "formats/sum_grammar.h"
-#include "tools/bicluster/symbol_lists.h"
 #include "transport/cube_map.h"
 #include "transport/morton.h"
 
-namespace bakelight::bicluster {
+namespace bakelight::compression {
 namespace {
 
 constexpr std::uint32_t kPieceUses = 4;
@@ -238,4 +238,4 @@ std::optional<TileSums> shareSums(const formats::PixelCodes& codes, std::span<co
   return tile;
 }
 
-}  // namespace bakelight::bicluster
+}  // namespace bakelight::compression

@@ -2,9 +2,9 @@
 #include <bit>
 #include <unordered_map>
 
-#include "tools/bicluster/symbol_lists.h"
+#include "compression/symbol_lists.h"
 
-namespace bakelight::bicluster {
+namespace bakelight::compression {
 namespace {
 
 // Of a long list, pairs farther apart are not looked at: their number would grow with its square.
@@ -201,4 +201,4 @@ void pairUp(SymbolLists& lists, std::uint32_t threshold, std::size_t most_symbol
   Round(lists, threshold, most_symbols).run();
 }
 
-}  // namespace bakelight::bicluster
+}  // namespace bakelight::compression
