@@ -12,6 +12,7 @@
 #include "tests/support/compressed_transfer.h"
 #include "tests/support/made_pixel_pack.h"
 #include "tests/support/made_rtt.h"
+#include "tests/support/made_translucent_pack.h"
 #include "transport/lights.h"
 #include "transport/texture_frames.h"
 
@@ -95,6 +96,17 @@ TEST_F(PlayerAgainstCpu, RadianceTransferTextures) {
       formats::reflectionOf(pack) = rtt;
       compare(pack, kSmall, sky());
     }
+}
+
+// Uneven light on a plate that it goes through, from above and at a grazing angle, where Fresnel's share matters.
+TEST_F(PlayerAgainstCpu, TranslucentObjects) {
+  formats::Pack pack = translucentPack(64, mediumOf(2.5), 4, 0.5F);
+  for (const formats::Float3& position : pack.mesh.positions)
+    pack.colors.push_back({0.5F + 0.5F * std::sin(position[0]), 1, 0.8F});
+  compare(pack, kSmall, sky());
+  formats::FrameSettings grazing = kSmall;
+  grazing.pitch_deg = 4;
+  compare(pack, grazing, sky());
 }
 
 // Transfer in a pixel basis with BTFs: frames that turn and change hands from vertex to vertex, so that every triangle has a crease,

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <Eigen/Dense>
+#include <map>
 #include <memory>
 #include <span>
 
 #include "formats/translucency.h"
 #include "tools/kernels/point_index.h"
+#include "tools/stage/stopwatch.h"
 
 namespace bakelight::kernels {
 namespace {
@@ -47,6 +49,8 @@ class Blender {
   }
 
   Blending make(const std::function<void(std::size_t)>& progress) {
+    std::map<std::string, double> seconds;
+    stage::Stopwatch watch(seconds);
     result_.densities.assign(texels_.count(), {Rgb::Zero(), Rgb::Zero(), Rgb::Zero()});
     neighborhoods_.resize(knots_.triangles.size());
     std::vector<std::size_t> deficient(knots_.triangles.size(), 0);
@@ -57,9 +61,12 @@ class Blender {
       progress(1);
     });
     for (const std::size_t count : deficient) result_.rank_deficient += count;
+    watch.lap("fit");
     chooseReceivers();
     findMissing();
     makeKernels(progress);
+    watch.lap("kernels");
+    result_.fit_seconds = seconds["fit"], result_.kernel_seconds = seconds["kernels"];
     return std::move(result_);
   }
 

@@ -27,7 +27,7 @@ struct Figures {
   double window_share = 0;
   int components = 0;
   double kernel_error = 0;
-  std::map<std::string, double> seconds;  // by step: prepare, factors, blend, compress
+  std::map<std::string, double> seconds;  // by step: prepare, factors, blend, kernels, compress
 };
 
 struct Made {
