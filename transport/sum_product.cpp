@@ -2,7 +2,6 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <stdexcept>
@@ -15,7 +14,7 @@ using formats::RowGroup;
 using formats::SumGrammar;
 using formats::SumTile;
 
-constexpr std::uint32_t kRowsAtOnce = 2048;
+constexpr std::size_t kRowsAtOnce = 2048;
 
 float scaleOf(int subsamples) {
   return 1.0F / static_cast<float>(subsamples * subsamples);
@@ -39,16 +38,19 @@ void lightByCode(std::span<const Radiance4> light, int subsamples, std::vector<R
 
 // `kTerms` 0: any number.
 template <std::uint32_t kTerms>
-void addRows(const Radiance4* table, const std::uint16_t* term, RowGroup group, Radiance4* out) {
+const std::uint16_t* addRows(const Radiance4* table, const std::uint16_t* term, RowGroup group,
+                             Radiance4* out) {
   const std::uint32_t terms = kTerms == 0 ? group.terms : kTerms;
   for (std::uint32_t row = 0; row < group.rows; ++row, term += terms) {
     Radiance4 sum = table[term[0]];
     for (std::uint32_t i = 1; i < terms; ++i) sum += table[term[i]];
     out[row] = sum;
   }
+  return term;
 }
 
-void addRowsOf(const Radiance4* table, const std::uint16_t* term, RowGroup group, Radiance4* out) {
+const std::uint16_t* addRowsOf(const Radiance4* table, const std::uint16_t* term, RowGroup group,
+                               Radiance4* out) {
   switch (group.terms) {
     case 1:
       return addRows<1>(table, term, group, out);
@@ -87,38 +89,15 @@ class TileProduct {
     const std::size_t leaves = end.leaf - begin.leaf, sums = end.sum - begin.sum;
     if (table.size() < leaves + sums) table.resize(kMostTileEntries);
     fillTable(begin, leaves, sums, table.data());
-    static thread_local std::vector<Slice> slices;
-    cutRows(begin, end, slices);
-    // For threads that have no tile left. This one takes no other tile meanwhile, whose table would go where this one is.
-    tbb::this_task_arena::isolate([&, entries = table.data(), &rows = slices] {
-      tbb::parallel_for(
-          std::size_t{0}, rows.size(),
-          [&](std::size_t i) { addRowsOf(entries, rows[i].term, rows[i].group, rows[i].out); },
-          tbb::simple_partitioner());
-    });
-  }
-
- private:
-  struct Slice {
-    RowGroup group;
-    const std::uint16_t* term;
-    Radiance4* out;
-  };
-
-  void cutRows(const SumTile& begin, const SumTile& end, std::vector<Slice>& slices) const {
-    slices.clear();
     const std::uint16_t* term = grammar_.terms.data() + begin.term;
     Radiance4* out = values_ + begin.row;
     for (std::uint64_t group = begin.group; group < end.group; ++group) {
-      const auto [terms, rows] = grammar_.groups[group];
-      for (std::uint32_t row = 0; row < rows; row += kRowsAtOnce) {
-        const std::uint32_t count = std::min(kRowsAtOnce, rows - row);
-        slices.push_back({{terms, count}, term, out});
-        term += std::size_t{terms} * count, out += count;
-      }
+      term = addRowsOf(table.data(), term, grammar_.groups[group], out);
+      out += grammar_.groups[group].rows;
     }
   }
 
+ private:
   void fillTable(const SumTile& begin, std::size_t leaves, std::size_t sums, Radiance4* table) const {
     const std::uint16_t* column = grammar_.leaf_columns.data() + begin.leaf;
     const std::uint8_t* code = grammar_.leaf_codes.data() + begin.leaf;
