@@ -132,8 +132,9 @@ struct Appearance {
 // ---- the pack
 
 // Kinds of parts that packs are read with. A technique adds its own here, or at the program's start.
-PackPartKinds& transferKinds();    // "sh", "pixel"
-PackPartKinds& reflectionKinds();  // "lambert", "phong", "ggx", "table", "radiance_transfer_texture", "btf", "translucency"
+PackPartKinds& transferKinds();  // "sh", "pixel"
+PackPartKinds&
+reflectionKinds();  // "lambert", "phong", "ggx", "table", "radiance_transfer_texture", "btf", "translucency"
 
 struct Pack {
   std::string name;  // of the asset

@@ -145,6 +145,9 @@ class Reader final : public Named {
     values.assign(found.begin(), found.end());
   }
   bool open(const char* name, bool) override {
+    const std::string prefix = named(name) + ".";
+    const auto first = tensors_.tensors.lower_bound(prefix);
+    if (first == tensors_.tensors.end() || !first->first.starts_with(prefix)) return false;
     enter(name);
     return true;
   }

@@ -96,22 +96,24 @@ void Translucency::describe(FieldVisitor& fields) {
   fields.require(kernels.rows == receivers.count(), "kernels",
                  "it has " + std::to_string(kernels.rows) + " rows",
                  std::to_string(receivers.count()) + ", one a receiver", "");
-  fields.floats("basis", basis, static_cast<std::size_t>(components) * values);
+  if (components > 0) fields.floats("basis", basis, static_cast<std::size_t>(components) * values);
 
-  sharpen.describe(fields, "sharpen", 1, knot_end);
-  near.describe(fields, "near", 3, knot_end);
-  fields.integer("farCount", far_count, {0, kMany});
-  const auto far_end = static_cast<std::size_t>(far_count);
-  spread.describe(fields, "spread", 1, far_end);
-  far.describe(fields, "far", 3, far_end);
   const auto hasRows = [&](const char* name, const SparseRows& matrix, std::size_t rows) {
     fields.require(matrix.rows() == rows, name, "it has " + std::to_string(matrix.rows()) + " rows",
                    std::to_string(rows), "");
   };
+  sharpen.describe(fields, "sharpen", 1, knot_end);
+  near.describe(fields, "near", 3, knot_end);
   hasRows("sharpen", sharpen, knot_end);
   hasRows("near", near, knot_end);
-  hasRows("spread", spread, far_count > 0 ? knot_end : 0);
-  hasRows("far", far, far_end);
+  if (!fields.open("far", far_count > 0)) return;
+  fields.integer("count", far_count, {1, kMany});
+  const auto far_end = static_cast<std::size_t>(far_count);
+  spread.describe(fields, "spread", 1, far_end);
+  far.describe(fields, "factors", 3, far_end);
+  hasRows("spread", spread, knot_end);
+  hasRows("factors", far, far_end);
+  fields.close();
 }
 
 std::size_t Translucency::bytes() const {

@@ -17,7 +17,7 @@ namespace bakelight::formats {
 // A matrix by its rows: row r has the entries [ends[r − 1], ends[r]).
 struct SparseRows {
   IntegerArray ends = {4, {}}, columns = {4, {}};  // of 4 bytes
-  EncodedTable values;         // entries × 1, or × 3: red, green and blue
+  EncodedTable values;                             // entries × 1, or × 3: red, green and blue
 
   std::size_t rows() const { return ends.count(); }
   std::span<const std::uint32_t> endsOf() const;
@@ -45,19 +45,19 @@ struct Translucency {
 
   // Texels on which light falls, ascending: row · resolution + column. Those beyond the edge of a chart are of
   // another one, too, and have neither area nor blend.
-  IntegerArray texels = {4, {}};         // of 4 bytes
-  IntegerArray texel_knots = {4, {}};    // 3 a texel, of 4 bytes
-  EncodedTable texel_weights;  // texels × 2: of the second and third knot
-  EncodedTable normals;        // texels × 3
-  EncodedTable areas;          // texels × 1
-  EncodedTable blend;          // texels × 9: of each knot red, green and blue
+  IntegerArray texels = {4, {}};       // of 4 bytes
+  IntegerArray texel_knots = {4, {}};  // 3 a texel, of 4 bytes
+  EncodedTable texel_weights;          // texels × 2: of the second and third knot
+  EncodedTable normals;                // texels × 3
+  EncodedTable areas;                  // texels × 1
+  EncodedTable blend;                  // texels × 9: of each knot red, green and blue
 
   // Of those which ones light leaves: indices of texels, ascending, each with its kernel: Σ weights · basis, or that itself where
   // there is no basis. A kernel has 7 rows from the top of 7 texels, red, green and blue of each. What lies outside of `texels` has nothing.
-  IntegerArray receivers = {4, {}};    // of 4 bytes
-  int components = 0;        // of the basis; 0: none
-  EncodedTable kernels;      // receivers × components, or × 147
-  std::vector<float> basis;  // components × 147
+  IntegerArray receivers = {4, {}};  // of 4 bytes
+  int components = 0;                // of the basis; 0: none
+  EncodedTable kernels;              // receivers × components, or × 147
+  std::vector<float> basis;          // components × 147
 
   SparseRows sharpen;  // knots × knots, one value
   SparseRows near;     // knots × knots

@@ -127,8 +127,9 @@ TEST(ExamplePack, OfAnUnknownKindNamesWhatIsKnown) {
   }
   formats::reflectionKinds().push_back(formats::PackPartKind::of<NormalReflection>());
   EXPECT_THAT(message,
-              testing::AllOf(HasSubstr("normals"),
-                             HasSubstr("lambert, phong, ggx, table, radiance_transfer_texture or btf")));
+              testing::AllOf(
+                  HasSubstr("normals"),
+                  HasSubstr("lambert, phong, ggx, table, radiance_transfer_texture, btf or translucency")));
 }
 
 TEST(ExamplePack, IsInspectedAndPreviewedWithoutAnotherLine) {

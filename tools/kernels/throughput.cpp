@@ -149,7 +149,7 @@ void Throughput::makeNear() {
       Rgb value = is_apart ? apart(i, j) : between(i, j);
       apart_pairs[i] += is_apart;
       if (has_far_) value -= reflectance_.smoothed(distance, outer_smoothing_);
-      if (static_cast<double>(value.abs().maxCoeff()) * mean_area < options_.threshold) {
+      if (static_cast<double>(value.abs().maxCoeff()) * mean_area < options_.threshold && j != i) {
         dropped[i] += static_cast<double>(value.abs().maxCoeff()) * knots_.areas[j];
         continue;
       }

@@ -85,7 +85,8 @@ WorkingMesh reduce(const SurfaceQuery& original, const SimplifyOptions& options,
   CornerMesh mesh(original.mesh());
   const double side = equilateralSide(area(original.mesh()) / options.triangles);
   if (options.refine)
-    report.splits = splitLongEdges(mesh, kRefinedEdgeSides * side, kRefinedSplits * std::int64_t{options.triangles});
+    report.splits =
+        splitLongEdges(mesh, kRefinedEdgeSides * side, kRefinedSplits * std::int64_t{options.triangles});
   else if (options.relax_rounds > 0)
     report.splits = splitLongEdges(mesh, kMaxEdgeSides * side, options.triangles);
   const FeatureCounts features = markFeatures(mesh, options.crease_angle_deg, kMinCreaseSides * side);

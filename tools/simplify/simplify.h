@@ -14,8 +14,8 @@
 #include "formats/triangle_mesh.h"
 #include "surface/metrics.h"
 #include "surface/repair.h"
-#include "tools/simplify/surface_words.h"
 #include "tools/simplify/small_parts.h"
+#include "tools/simplify/surface_words.h"
 
 namespace bakelight::simplify {
 

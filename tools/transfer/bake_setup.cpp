@@ -58,8 +58,8 @@ BakeSetup::BakeSetup(const TriangleMesh& own_mesh, std::span<const Float3> own_a
   if (interreflected()) sides_from_behind = sidesFromBehind(mesh);
   scene = std::make_unique<transport::RayScene>(mesh);
   pass = std::make_unique<ShadowPass>(mesh, *scene,
-                                      ShadowOptions{options.order, visibility_order, sphere, interreflected(), options.entered_ior,
-                                                    interreflected() && needsMatrices()},
+                                      ShadowOptions{options.order, visibility_order, sphere, interreflected(),
+                                                    options.entered_ior, interreflected() && needsMatrices()},
                                       options.directions);
   if (interreflected()) memory = planMemory(*this);
 }

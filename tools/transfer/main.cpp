@@ -26,8 +26,8 @@ double enteredIor(const formats::SurfaceMaterials& surface, const std::string& f
   for (const std::optional<formats::Medium>& medium : surface.media) {
     const double of_this = medium ? medium->eta : 0;
     if (&medium != &surface.media.front() && of_this != eta)
-      throw badInput({file, "", "/medium/eta"}, "materials let different shares of light in", "one index of refraction",
-                     "bake such objects apart");
+      throw badInput({file, "", "/medium/eta"}, "materials let different shares of light in",
+                     "one index of refraction", "bake such objects apart");
     eta = of_this;
   }
   return eta;
@@ -81,8 +81,10 @@ int main(int argc, char** argv) {
       albedo = {surface.albedo};
 
     settings.options.entered_ior = options.entered_ior = enteredIor(surface, material_path.string());
-    if (options.entered_ior > 0 && (options.transport == transfer::Transport::kInterreflected || settings.isGlossy()))
-      throw badInput({material_path.string(), "", "/medium"}, "the object is translucent, and light bounces off none such here",
+    if (options.entered_ior > 0 &&
+        (options.transport == transfer::Transport::kInterreflected || settings.isGlossy()))
+      throw badInput({material_path.string(), "", "/medium"},
+                     "the object is translucent, and light bounces off none such here",
                      "diffuse transfer without bounces", "give --technique diffuse --transport shadowed");
 
     const auto start = std::chrono::steady_clock::now();

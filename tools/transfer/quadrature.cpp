@@ -65,12 +65,14 @@ void Hemisphere::collect(const Quadrature& quadrature, const Float3& normal) {
 }
 
 std::vector<double> cosineFactors(int order, double entered_ior) {
-  return entered_ior > 0 ? transport::enteringCosineFactors(order, entered_ior) : transport::clampedCosineFactors(order);
+  return entered_ior > 0 ? transport::enteringCosineFactors(order, entered_ior)
+                         : transport::clampedCosineFactors(order);
 }
 
 void Hemisphere::enter(double relative_ior) {
   for (std::size_t k = 0; k < count; ++k)
-    cosines[k] *= static_cast<float>(transport::schlickTransmittance(static_cast<double>(cosines[k]), relative_ior));
+    cosines[k] *=
+        static_cast<float>(transport::schlickTransmittance(static_cast<double>(cosines[k]), relative_ior));
 }
 
 }  // namespace bakelight::transfer
