@@ -1,7 +1,6 @@
 #include "formats/part_tensors.h"
 
 #include <cmath>
-#include <cstring>
 #include <sstream>
 #include <stdexcept>
 
@@ -22,12 +21,6 @@ ElementType typeOf(Precision precision) {
       return ElementType::kUint8;
   }
   return ElementType::kFloat32;
-}
-
-ElementType typeOf(std::size_t integer_width) {
-  return integer_width == 1   ? ElementType::kUint8
-         : integer_width == 2 ? ElementType::kUint16
-                              : ElementType::kUint32;
 }
 
 std::string textOf(double value) {
@@ -90,7 +83,8 @@ class Writer final : public Named {
     file.tensors[named(name)] = Tensor::from<float>(ElementType::kFloat32, {values.size()}, values);
   }
   void integers(const char* name, IntegerArray& values, std::size_t) override {
-    file.tensors[named(name)] = {typeOf(values.width), {values.count()}, values.data};
+    if (values.width != 4) throw std::logic_error("integers in a file of their own have 4 bytes");
+    file.tensors[named(name)] = {ElementType::kUint32, {values.count()}, values.data};
   }
   void indices(const char* name, std::vector<std::uint32_t>& values, std::size_t) override {
     file.tensors[named(name)] = Tensor::from<std::uint32_t>(ElementType::kUint32, {values.size()}, values);
@@ -110,7 +104,9 @@ class Reader final : public Named {
   Reader(const TensorFile& tensors, const std::string& file) : tensors_(tensors), file_(file) {}
 
   void integer(const char* name, int& value, const Range& range) override {
-    value = static_cast<int>(numberOf(name, range));
+    const double number = numberOf(name, range);
+    if (number != std::floor(number)) refuse(name, "it is no whole number", formats::textOf(range));
+    value = static_cast<int>(number);
   }
   void number(const char* name, float& value, const Range& range) override {
     value = static_cast<float>(numberOf(name, range));

@@ -83,7 +83,6 @@ void Translucency::describe(FieldVisitor& fields) {
                    std::to_string(texels.count()) + ", one a texel", "");
   };
   perTexel("texelWeights", texel_weights, 2);
-  perTexel("normals", normals, 3);
   perTexel("areas", areas, 1);
   perTexel("blend", blend, 9);
 
@@ -119,8 +118,7 @@ void Translucency::describe(FieldVisitor& fields) {
 std::size_t Translucency::bytes() const {
   std::size_t sum = knots.size() * 4 + basis.size() * sizeof(float);
   for (const IntegerArray* list : {&texels, &texel_knots, &receivers}) sum += list->data.size();
-  for (const EncodedTable* table : {&texel_weights, &normals, &areas, &blend, &kernels})
-    sum += table->data.size();
+  for (const EncodedTable* table : {&texel_weights, &areas, &blend, &kernels}) sum += table->data.size();
   for (const SparseRows* matrix : {&sharpen, &near, &spread, &far})
     sum += matrix->ends.data.size() + matrix->columns.data.size() + matrix->values.data.size();
   return sum;

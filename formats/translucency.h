@@ -10,7 +10,6 @@
 
 #include "formats/encoded_table.h"
 #include "formats/fields.h"
-#include "formats/words.h"
 
 namespace bakelight::formats {
 
@@ -48,7 +47,6 @@ struct Translucency {
   IntegerArray texels = {4, {}};       // of 4 bytes
   IntegerArray texel_knots = {4, {}};  // 3 a texel, of 4 bytes
   EncodedTable texel_weights;          // texels × 2: of the second and third knot
-  EncodedTable normals;                // texels × 3
   EncodedTable areas;                  // texels × 1
   EncodedTable blend;                  // texels × 9: of each knot red, green and blue
 

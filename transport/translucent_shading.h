@@ -20,7 +20,7 @@ class TranslucentShading final : public PackShading {
   explicit TranslucentShading(const formats::Pack& pack);
 
   LightNeeds needs() const override { return {order_, near_center_}; }
-  // Transfer vectors hold what the surface lets in already. On all TBB threads; same bytes for any number.
+  // Transfer vectors hold what the surface lets in already; where spherical harmonics ring below 0, nothing enters. On all TBB threads; same bytes for any number.
   void setLight(std::span<const Float3> distant, std::span<const Float3> near) override;
   void setView(const ViewPoint& view) override { eye_ = view.eye; }
   void radianceAt(std::span<const SurfaceHit> hits, std::span<Float3> radiance) const override;

@@ -47,6 +47,36 @@ inline formats::TriangleMesh plateMesh(int texels, double spacing, double height
   return mesh;
 }
 
+// The same plate in a square of `texels` + 16, cut down the middle into two charts 12 texels apart.
+inline formats::TriangleMesh cutPlateMesh(int texels, double spacing) {
+  constexpr int kApart = 12, kMore = 16;
+  const formats::TriangleMesh whole = plateMesh(texels, spacing);
+  const double side = texels + kMore;
+  formats::TriangleMesh mesh;
+  for (const bool right : {false, true}) {
+    std::vector<std::int64_t> copy(whole.vertexCount(), -1);
+    for (const formats::Triangle& t : whole.triangles) {
+      const float x = whole.positions[t[0]][0] + whole.positions[t[1]][0] + whole.positions[t[2]][0];
+      if ((x > 1.5F * static_cast<float>(texels - 4)) != right) continue;
+      formats::Triangle copied{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t v = t[k];
+        if (copy[v] < 0) {
+          copy[v] = static_cast<std::int64_t>(mesh.vertexCount());
+          const formats::Float3& p = whole.positions[v];
+          mesh.positions.push_back(p);
+          mesh.normals.push_back(whole.normals[v]);
+          mesh.texcoords.push_back({static_cast<float>((double{p[0]} + 2 + (right ? kApart : 0)) / side),
+                                    static_cast<float>(1 - (double{p[2]} + 2) / side)});
+        }
+        copied[k] = static_cast<std::uint32_t>(copy[v]);
+      }
+      mesh.triangles.push_back(copied);
+    }
+  }
+  return mesh;
+}
+
 // A medium whose mean free path is so many texels, of three albedos.
 inline formats::Medium mediumOf(double mean_free_path, double albedo = 0.95) {
   formats::Medium medium;
@@ -58,8 +88,9 @@ inline formats::Medium mediumOf(double mean_free_path, double albedo = 0.95) {
   return medium;
 }
 
-inline void writeMaps(const formats::TriangleMesh& mesh, int texels, const std::filesystem::path& path) {
-  formats::writeExr(path, atlas::geometryMaps(atlas::atlasOf(mesh), {texels, 4}, "plate"),
+inline void writeMaps(const formats::TriangleMesh& mesh, int texels, const std::filesystem::path& path,
+                      int border = kernels::kBorder) {
+  formats::writeExr(path, atlas::geometryMaps(atlas::atlasOf(mesh), {texels, border}, "plate"),
                     formats::ExrPrecision::kFloat);
 }
 

@@ -20,10 +20,11 @@ constexpr int kReach = formats::kKernelSide / 2;
 constexpr float kHalfWindow = formats::kKernelSide / 2.0F;
 // Of the square of the sum's error against the sum of squares: the sum is what shows.
 constexpr double kSumWeight = 100;
-constexpr float kRoughRadius = 2;  // of spacings
-constexpr double kRidge = 0.01;    // of the hats' squares, inside the window, too
+// What is smooth over that many spacings, hats between knots follow.
+constexpr float kRoughRadius = 2;
+constexpr double kRidge = 0.01;  // of the hats' squares, inside the window, too
 constexpr double kRankThreshold = 1e-7;
-constexpr float kMostWeights = 2;  // what a texel may give to its knots altogether, of what falls on it
+constexpr float kMostWeight = 2;  // that a texel may give to one of its knots, of what falls on it
 
 // Around a triangle, all that is needed to weigh its texels.
 struct Neighborhood {
@@ -34,6 +35,11 @@ struct Neighborhood {
   std::size_t placeOf(std::uint32_t knot) const {
     return static_cast<std::size_t>(std::lower_bound(knots.begin(), knots.end(), knot) - knots.begin());
   }
+};
+
+// Of texels.
+struct FitCounts {
+  std::size_t rank_deficient = 0, clamped = 0;
 };
 
 class Blender {
@@ -53,14 +59,17 @@ class Blender {
     stage::Stopwatch watch(seconds);
     result_.densities.assign(texels_.count(), {Rgb::Zero(), Rgb::Zero(), Rgb::Zero()});
     neighborhoods_.resize(knots_.triangles.size());
-    std::vector<std::size_t> deficient(knots_.triangles.size(), 0);
+    std::vector<FitCounts> counts(knots_.triangles.size());
     tbb::parallel_for(std::size_t{0}, knots_.triangles.size(), [&](std::size_t t) {
       if (texels_of_[t].empty()) return;
       neighborhoods_[t] = neighborhoodOf(t);
-      for (const std::uint32_t texel : texels_of_[t]) deficient[t] += !fit(t, texel);
+      for (const std::uint32_t texel : texels_of_[t]) fit(t, texel, counts[t]);
       progress(1);
     });
-    for (const std::size_t count : deficient) result_.rank_deficient += count;
+    for (const FitCounts& count : counts) {
+      result_.rank_deficient += count.rank_deficient;
+      result_.clamped += count.clamped;
+    }
     watch.lap("fit");
     chooseReceivers();
     findMissing();
@@ -177,8 +186,7 @@ class Blender {
            w[2] * to_knots[near.placeOf(corners[2])];
   }
 
-  // False where the weights are not determined.
-  bool fit(std::size_t t, std::uint32_t texel) {
+  void fit(std::size_t t, std::uint32_t texel, FitCounts& counts) {
     const auto& corners = knots_.triangles[t];
     const Neighborhood& near = neighborhoods_[t];
     const std::vector<Rgb> to_knots = toKnots(near, texel);
@@ -213,7 +221,10 @@ class Blender {
         area += a;
       }
     }
-    if (area == 0) return false;
+    if (area == 0) {
+      ++counts.rank_deficient;
+      return;
+    }
     // Hats that lie in the window but for their rims would have to be huge to matter outside of it.
     normal += kRidge * whole * Eigen::Matrix3d::Identity();
     normal += kSumWeight / area * hats * hats.transpose();
@@ -221,16 +232,17 @@ class Blender {
     Eigen::CompleteOrthogonalDecomposition<Eigen::Matrix3d> decomposition;
     decomposition.setThreshold(kRankThreshold);
     decomposition.compute(normal);
-    Eigen::Matrix3d solution = decomposition.solve(right);
-    // Where next to nothing lies outside the window there is nothing to fit, and noise would be large.
-    const float unit = std::max(texels_.cells[texel], texels_.areas[texel]);
+    const Eigen::Matrix3d solution = decomposition.solve(right);
+    counts.rank_deficient += decomposition.rank() < 3;
+    const float most = kMostWeight / std::max(texels_.cells[texel], texels_.areas[texel]);
+    bool clamped = false;
     for (std::size_t c = 0; c < 3; ++c)
       for (int color = 0; color < 3; ++color) {
         const auto value = static_cast<float>(solution(static_cast<Eigen::Index>(c), color));
-        result_.densities[texel][c][color] =
-            std::isfinite(value) ? std::clamp(value, -kMostWeights / unit, kMostWeights / unit) : 0;
+        clamped = clamped || !(std::abs(value) <= most);
+        result_.densities[texel][c][color] = std::isnan(value) ? 0 : std::clamp(value, -most, most);
       }
-    return decomposition.rank() == 3;
+    counts.clamped += clamped;
   }
 
   // Those that pictures look up: all that have an area, and what bilinear lookups take beside them.
@@ -291,7 +303,6 @@ class Blender {
   void makeKernels(const std::function<void(std::size_t)>& progress) {
     const std::size_t values = std::size_t{3} * formats::kKernelTexels;
     result_.kernels.assign(result_.receivers.size() * values, 0);
-    std::vector<std::size_t> first_of(knots_.triangles.size() + 1, 0);
     std::vector<std::vector<std::uint32_t>> receivers_of(knots_.triangles.size());
     for (std::size_t r = 0; r < result_.receivers.size(); ++r)
       receivers_of[texels_.triangles[result_.receivers[r]]].push_back(static_cast<std::uint32_t>(r));

@@ -22,6 +22,7 @@ struct Blending {
   // Of each of these: 49 texels × RGB, rows from the top.
   std::vector<float> kernels;
   std::size_t rank_deficient = 0;  // texels whose weights are the least of many that fit
+  std::size_t clamped = 0;         // texels that would have given a knot more than twice what falls on them
   double fit_seconds = 0, kernel_seconds = 0;
   double window_share = 0;  // of the response to even light, by kernels; mean over receivers and colors
 };

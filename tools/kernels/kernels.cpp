@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "formats/error.h"
 #include "tools/kernels/compression.h"
@@ -38,12 +39,11 @@ void takeTexels(const Texels& texels, const Knots& knots, const Blending& blendi
   result.resolution = texels.resolution;
   result.texels = formats::integersOf(texels.places);
   std::vector<std::uint32_t> corners;
-  std::vector<float> weights, normals, areas, given;
+  std::vector<float> weights, areas, given;
   for (std::size_t i = 0; i < texels.count(); ++i) {
     const auto& t = knots.triangles[texels.triangles[i]];
     corners.insert(corners.end(), t.begin(), t.end());
     weights.insert(weights.end(), {texels.weights[i][1], texels.weights[i][2]});
-    normals.insert(normals.end(), texels.normals[i].data(), texels.normals[i].data() + 3);
     areas.push_back(texels.areas[i] / result.area_unit);
     for (std::size_t c = 0; c < 3; ++c) {
       const Rgb value = texels.areas[i] * blending.densities[i][c];
@@ -52,7 +52,6 @@ void takeTexels(const Texels& texels, const Knots& knots, const Blending& blendi
   }
   result.texel_knots = formats::integersOf(corners);
   result.texel_weights = table(weights, 2, Precision::kFloat32, "texelWeights");
-  result.normals = table(normals, 3, Precision::kFloat16, "normals");
   result.areas = table(areas, 1, Precision::kFloat32, "areas");
   result.blend = table(given, 9, Precision::kFloat16, "blend");
   result.receivers = formats::integersOf(blending.receivers);
@@ -75,7 +74,16 @@ Made makeTranslucency(const formats::TriangleMesh& mesh, const std::filesystem::
                                 static_cast<double>(*greatest));
 
   watch.lap("prepare");
-  const Throughput throughput(knots, reflectance, options.factors);
+  const Throughput throughput = [&] {
+    try {
+      return Throughput(knots, reflectance, options.factors);
+    } catch (const std::length_error& problem) {
+      throw badInput({maps.string(), "", ""},
+                     "its mesh has " + std::to_string(knots.count()) + " vertices: " + problem.what(),
+                     "at most " + std::to_string(Throughput::kMostFactors / 1'000'000) + " million",
+                     "simplify the mesh: vertices some 5 texels apart do");
+    }
+  }();
   watch.lap("factors");
 
   stage::Progress progress(style, "kernels", 2 * mesh.triangles.size(), "triangles");
@@ -126,7 +134,9 @@ Made makeTranslucency(const formats::TriangleMesh& mesh, const std::filesystem::
   figures.mean_free_path_texels = path / side;
   figures.near_dropped_share = throughput.figures().dropped_share;
   figures.apart_pairs = throughput.figures().apart_pairs;
+  figures.touching_knots = throughput.figures().touching_knots;
   figures.rank_deficient = blending.rank_deficient;
+  figures.clamped = blending.clamped;
   figures.window_share = blending.window_share;
   figures.components = compressed.components;
   figures.kernel_error = compressed.error;

@@ -23,7 +23,7 @@ struct Figures {
   double texels_per_spacing = 0;     // between knots
   double mean_free_path_texels = 0;  // of the color with the shortest
   double near_dropped_share = 0;
-  std::size_t apart_pairs = 0, rank_deficient = 0;
+  std::size_t apart_pairs = 0, touching_knots = 0, rank_deficient = 0, clamped = 0;
   double window_share = 0;
   int components = 0;
   double kernel_error = 0;
@@ -35,7 +35,8 @@ struct Made {
   Figures figures;
 };
 
-// `mesh` and `maps` are those that atlas wrote, with a border of 4 texels at least. Throws Error(kBadInput) naming file and texel, as texelsOf.
+// `mesh` and `maps` are those that atlas wrote, with a border of 4 texels at least. Throws Error(kBadInput) naming file and texel as texelsOf, and for more vertices
+// than factors have room for (some 200,000).
 Made makeTranslucency(const formats::TriangleMesh& mesh, const std::filesystem::path& maps,
                       const formats::Medium& medium, const Options& options, stage::ProgressStyle progress);
 

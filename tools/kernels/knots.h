@@ -16,22 +16,22 @@ using transport::Vec3;
 
 struct Knots {
   std::vector<std::uint32_t> of_vertex;  // of the mesh
-  std::vector<Vec3> positions;
+  std::vector<Vec3> positions;           // in the asset's unit, as all lengths here
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<double> triangle_areas;
   std::vector<double> areas;    // a third of the triangles around each
   std::vector<float> spacings;  // root mean square of the edges around each; 0 without edges
   // The knots around each, itself first, as a list of rows.
   std::vector<std::uint32_t> ring_ends, rings;
-  // What hats lose in interpolating, given back: 3/2 − 1/2 (mass matrix ÷ its row sums), for each entry of `rings`. Rows sum to 1. Hats
-  // that interpolate samples of a wave of wavenumber k between knots h apart leave 1 − (kh)²/12 of it, the mass matrix
-  // 1 − (kh)²/6; so what is sharpened has its amplitude but for the fourth power.
+  // What hats lose in interpolating, given back: 3/2 − 1/2 (mass matrix ÷ its row sums), for each entry of `rings`. Rows sum to 1. Of a wave of
+  // wavenumber k, hats that interpolate its samples leave 1 − c k², and the mass matrix, which is of two hats, 1 − 2 c k² (c = h²/12 for knots h
+  // apart on a line, h²/16 on equilateral triangles); so what is sharpened has its amplitude but for the fourth power.
   std::vector<float> sharpening;
   // Triangles around each knot.
   std::vector<std::uint32_t> fan_ends, fans;
 
   std::size_t count() const { return positions.size(); }
-  double meanSpacing() const;
+  double meanSpacing() const;  // root mean square of `spacings`
   template <class List>
   static auto row(const List& list, const std::vector<std::uint32_t>& ends, std::size_t i) {
     const std::size_t first = i == 0 ? 0 : ends[i - 1];
@@ -42,8 +42,7 @@ struct Knots {
   std::span<const std::uint32_t> fan(std::size_t i) const { return row(fans, fan_ends, i); }
 };
 
-// Vertices at the same place are one knot. `of_medium`: 1 for each triangle that light passes through, empty for all; knots of others
-// have no area.
+// Vertices at the same place are one knot, in the order of the first of them. Cost: O(n log n).
 Knots knotsOf(const formats::TriangleMesh& mesh);
 
 }  // namespace bakelight::kernels

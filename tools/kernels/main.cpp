@@ -13,21 +13,24 @@ using namespace bakelight;
 
 namespace {
 
-// So far one medium an object.
-formats::Medium mediumOf(const formats::Materials& materials, const std::string& file) {
-  const std::vector<std::string> names = formats::translucentMaterials(materials);
-  if (names.empty())
-    throw badInput({file, "", "/medium"}, "no material has a medium", "one",
-                   R"(give it "medium": { "name": "marble" })");
-  const formats::Medium& medium = *materials.of(names.front()).medium;
-  for (const std::string& name : names)
-    if (materials.of(name).medium != medium)
-      throw badInput({file, "", "/materials/" + name + "/medium"}, "it is of another medium than the others",
-                     "one medium", "bake objects of different media apart");
-  if (!materials.base.medium && !materials.by_name.empty())
-    throw badInput({file, "", "/material"}, "only a part of the object has a medium", "all of it",
-                   "bake it apart from what is opaque");
-  return medium;
+// The one that all faces of the mesh are of.
+formats::Medium mediumOf(const formats::TriangleMesh& mesh, const std::string& mesh_file,
+                         const std::filesystem::path& material_file) {
+  const std::string file = material_file.string();
+  const formats::SurfaceMaterials surface =
+      formats::materialsOn(mesh, formats::readMaterials(material_file), mesh_file, file);
+  for (std::size_t i = 0; i < surface.media.size(); ++i) {
+    const std::string whose =
+        surface.names[i].empty() ? "the asset's own material" : "\"" + surface.names[i] + "\"";
+    if (!surface.media[i])
+      throw badInput({file, whose, "/medium"}, "the mesh has faces of it, and it has no medium", "one",
+                     R"(give it "medium": { "name": "marble" }; bake what is opaque apart)");
+    if (surface.media[i] != surface.media.front())
+      throw badInput({file, whose, "/medium"},
+                     "it is of another medium than \"" + surface.names.front() + "\"", "one medium",
+                     "bake parts of different media apart");
+  }
+  return *surface.media.front();
 }
 
 void report(const kernels::Made& made, stage::Run& run) {
@@ -42,17 +45,31 @@ void report(const kernels::Made& made, stage::Run& run) {
   run.stat("window_share", f.window_share);
   run.stat("near_dropped_share", f.near_dropped_share);
   run.stat("apart_pairs", f.apart_pairs);
+  run.stat("touching_knots", f.touching_knots);
   run.stat("rank_deficient_texels", f.rank_deficient);
+  run.stat("clamped_texels", f.clamped);
   run.stat("kernel_components", f.components);
   run.stat("kernel_error", f.kernel_error);
   run.stat("seconds", f.seconds);
   run.stat("bytes", made.translucency.bytes());
-  constexpr double kCoarse = 8, kFew = 0.1;
+  constexpr double kCoarse = 8, kFew = 0.1, kMuch = 0.005;
   if (f.texels_per_spacing > kCoarse)
     run.warn("vertices are " + std::to_string(f.texels_per_spacing) +
              " texels apart, more than kernels of 7 × 7 texels and hats between vertices go together for (5 "
              "or so): "
              "more triangles or fewer texels will err less");
+  if (f.touching_knots > 0)
+    run.warn(std::to_string(f.touching_knots) +
+             " vertices touch another part of the surface, and light between the two is blurred: leave out "
+             "parts inside "
+             "others (simplify --least-part), or weld them");
+  if (f.clamped > 0)
+    run.warn(
+        std::to_string(f.clamped) + " of " + std::to_string(f.texels) +
+        " texels would have given their vertices more than twice what falls on them, and were held to that");
+  if (f.near_dropped_share > kMuch)
+    run.warn("factors below the threshold are up to " + std::to_string(100 * f.near_dropped_share) +
+             " % of what leaves a vertex, and were dropped: lower threshold");
   if (static_cast<double>(f.rank_deficient) > kFew * static_cast<double>(f.texels))
     run.warn(std::to_string(f.rank_deficient) + " of " + std::to_string(f.texels) +
              " texels have too few others around them to determine their weights: more texels will err less");
@@ -78,7 +95,7 @@ int main(int argc, char** argv) {
                  "What goes far between fewer, farther points; else a factor between any two vertices");
   return tool.run(argc, argv, [&](stage::Run& run) {
     const formats::TriangleMesh mesh = formats::readPly(mesh_path);
-    const formats::Medium medium = mediumOf(formats::readMaterials(material_path), material_path.string());
+    const formats::Medium medium = mediumOf(mesh, mesh_path.string(), material_path);
     const kernels::Made made =
         kernels::makeTranslucency(mesh, maps_path, medium, options, run.progressStyle());
     formats::PackPart part(made.translucency);

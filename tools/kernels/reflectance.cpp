@@ -49,7 +49,7 @@ std::array<DiffuseReflectance, 3> reflectanceOf(const formats::Medium& medium) {
 
 Reflectance::Reflectance(const std::array<DiffuseReflectance, 3>& colors, double farthest, double least_texel,
                          double greatest_texel)
-    : colors_(colors), least_texel_(least_texel) {
+    : colors_(colors), farthest_(farthest), least_texel_(least_texel) {
   const double scale = least_texel / 4, least = scale / 64;
   exact_ = RadialTable(scale, farthest, [&](double r) {
     return eachColor(colors, [&](const DiffuseReflectance& color) { return color(std::max(r, least)); });
@@ -97,6 +97,13 @@ double Reflectance::reach(double share) const {
   double farthest = 0;
   for (const DiffuseReflectance& color : colors_) farthest = std::max(farthest, color.radiusFor(share));
   return farthest;
+}
+
+double Reflectance::shareBeyond(double radius) const {
+  double most = 0;
+  for (const DiffuseReflectance& color : colors_)
+    most = std::max(most, color.total() - color.enclosed(radius));
+  return most;
 }
 
 }  // namespace bakelight::kernels

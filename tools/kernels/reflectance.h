@@ -52,7 +52,7 @@ class Reflectance {
   Reflectance(const std::array<transport::DiffuseReflectance, 3>& colors, double farthest, double least_texel,
               double greatest_texel);
 
-  // R_d.
+  // R_d, in 1/area, as all functions here. Tables err by some 1e-5.
   Rgb exact(float distance) const { return exact_(distance); }
   // R_d from `radius` on, and below it a polynomial of the same value, slope and curvature there: what interpolation between points about
   // that far apart can follow.
@@ -64,14 +64,16 @@ class Reflectance {
   // R_d as texels of a band and side can carry it (DiffuseReflectance::bandLimited).
   std::uint32_t bandOf(float side) const;
   Rgb betweenTexels(float distance, float side, std::uint32_t band) const;
-  // Distance beyond which a share of R_d of no color is missed.
+  // Radius that encloses all but that share of R_d on a plane, of each color, and the share of all light that is beyond one: of the color that has most.
   double reach(double share) const;
+  double shareBeyond(double radius) const;
+  double farthest() const { return farthest_; }
 
  private:
   const std::array<transport::DiffuseReflectance, 3>& colors_;
   RadialTable exact_, constant_, linear_, quadratic_;
   // By side of a texel, evenly in its logarithm; of distance, in sides, times the side squared.
-  double least_texel_, log_step_;
+  double farthest_, least_texel_, log_step_;
   std::vector<std::vector<Rgb>> bands_;
 };
 

@@ -22,7 +22,8 @@ enum Channel : std::size_t {
   kChannels
 };
 constexpr int kRowsAtOnce = 64;
-constexpr float kEdge = 2, kBorder = 3;  // coverage
+// Coverages of the maps.
+constexpr float kAtEdge = 2, kBeyondEdge = 3;
 
 std::string nameOf(std::size_t place, int width) {
   const auto w = static_cast<std::size_t>(width);
@@ -46,6 +47,44 @@ Step stepOf(const formats::TriangleMesh& mesh, const formats::Triangle& t, int r
   const Vec3 p1 = at(1) - at(0), p2 = at(2) - at(0);
   const Vec3 across = (p1 * e2.y() - p2 * e1.y()) / det, down = (p2 * e1.x() - p1 * e2.x()) / det;
   return {across.cast<float>(), down.cast<float>()};
+}
+
+// Whether two triangles that share an edge lie in different charts.
+bool hasSeams(const formats::TriangleMesh& mesh, const Knots& knots) {
+  std::map<std::array<std::uint32_t, 2>, std::array<std::uint32_t, 2>> edges;  // by knots: the vertices
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::array<std::uint32_t, 2> ends = {mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]};
+      if (knots.of_vertex[ends[0]] > knots.of_vertex[ends[1]]) std::swap(ends[0], ends[1]);
+      const auto [found, is_new] =
+          edges.try_emplace({knots.of_vertex[ends[0]], knots.of_vertex[ends[1]]}, ends);
+      if (is_new) continue;
+      for (std::size_t e = 0; e < 2; ++e)
+        if (mesh.texcoords[found->second[e]] != mesh.texcoords[ends[e]]) return true;
+    }
+  return false;
+}
+
+// How far, in rows and columns, texels beyond the edge of a chart are from it at most; up to kBorder.
+int borderOf(const Texels& texels, const std::vector<std::uint8_t>& coverages) {
+  const int side = texels.resolution;
+  const auto isWithin = [&](std::size_t i, int reach) {
+    const int x = static_cast<int>(texels.places[i]) % side, y = static_cast<int>(texels.places[i]) / side;
+    for (int v = std::max(y - reach, 0); v <= std::min(y + reach, side - 1); ++v)
+      for (int u = std::max(x - reach, 0); u <= std::min(x + reach, side - 1); ++u) {
+        const std::int32_t other = texels.index_of[static_cast<std::size_t>(v) * side + u];
+        if (other >= 0 && texels.charts[static_cast<std::size_t>(other)] == texels.charts[i] &&
+            static_cast<float>(coverages[static_cast<std::size_t>(other)]) != kBeyondEdge)
+          return true;
+      }
+    return false;
+  };
+  int border = 0;
+  for (std::size_t i = 0; i < texels.count() && border < kBorder; ++i) {
+    if (static_cast<float>(coverages[i]) != kBeyondEdge) continue;
+    while (border < kBorder && !isWithin(i, border)) ++border;
+  }
+  return border;
 }
 
 }  // namespace
@@ -91,7 +130,7 @@ Texels texelsOf(const std::filesystem::path& maps, const formats::TriangleMesh& 
       texels.positions.emplace_back(map[kPosition], map[kPosition + 1], map[kPosition + 2]);
       texels.normals.emplace_back(map[kNormal], map[kNormal + 1], map[kNormal + 2]);
       texels.charts.push_back(static_cast<std::uint32_t>(map[kChart]));
-      texels.areas.push_back(map[kCoverage] == kBorder ? 0 : map[kArea]);
+      texels.areas.push_back(map[kCoverage] == kBeyondEdge ? 0 : map[kArea]);
       coverages.push_back(static_cast<std::uint8_t>(map[kCoverage]));
     }
   }
@@ -109,6 +148,16 @@ Texels texelsOf(const std::filesystem::path& maps, const formats::TriangleMesh& 
       throw badInput({file, nameOf(texels.places[i], side), ""},
                      "it lies elsewhere than its triangle of the mesh", "the maps of this mesh",
                      "give the mesh that atlas wrote with them");
+  }
+
+  if (hasSeams(mesh, knots)) {
+    const int border = borderOf(texels, coverages);
+    if (border < kBorder)
+      throw badInput({file, "channel coverage", ""},
+                     "charts show " + (border == 0 ? "nothing" : std::to_string(border) + " texels") +
+                         " of the surface beyond their edges",
+                     std::to_string(kBorder) + " texels, which kernels see over",
+                     "run atlas with --border 4");
   }
 
   // Areas of whole texels: of the triangle's own map, or, where another chart's surface is shown beyond an edge, the chart's mean.
@@ -129,19 +178,20 @@ Texels texelsOf(const std::filesystem::path& maps, const formats::TriangleMesh& 
         mean == chart_means.end() ? texels.areas[i] : static_cast<float>(mean->second[0] / mean->second[1]);
     texels.sides[i] = std::max(std::sqrt(cell), 1e-3F * static_cast<float>(scale));
     // Where the surface ends at the edge of the chart, there is no more of it than that.
-    bool goes_on = coverages[i] == static_cast<std::uint8_t>(kBorder);
+    bool goes_on = coverages[i] == static_cast<std::uint8_t>(kBeyondEdge);
     const int x = static_cast<int>(texels.places[i]) % side, y = static_cast<int>(texels.places[i]) / side;
     for (int dy = -1; dy <= 1 && !goes_on; ++dy)
       for (int dx = -1; dx <= 1 && !goes_on; ++dx) {
         if (x + dx < 0 || y + dy < 0 || x + dx >= side || y + dy >= side) continue;
         const std::int32_t other = texels.index_of[static_cast<std::size_t>(y + dy) * side + x + dx];
-        goes_on =
-            other >= 0 && coverages[static_cast<std::size_t>(other)] == static_cast<std::uint8_t>(kBorder);
+        goes_on = other >= 0 &&
+                  coverages[static_cast<std::size_t>(other)] == static_cast<std::uint8_t>(kBeyondEdge);
       }
-    texels.cells[i] =
-        goes_on || coverages[i] != static_cast<std::uint8_t>(kEdge) ? cell : std::min(texels.areas[i], cell);
+    texels.cells[i] = goes_on || coverages[i] != static_cast<std::uint8_t>(kAtEdge)
+                          ? cell
+                          : std::min(texels.areas[i], cell);
     // Neighbours of another chart have axes of their own, turned; only lengths are taken from here.
-    if (coverages[i] == static_cast<std::uint8_t>(kBorder)) {
+    if (coverages[i] == static_cast<std::uint8_t>(kBeyondEdge)) {
       const float length = std::sqrt(cell);
       const Eigen::Vector3f n = texels.normals[i];
       Eigen::Vector3f along = texels.across[i] - texels.across[i].dot(n) * n;

@@ -26,8 +26,9 @@ struct Texels {
   std::size_t count() const { return places.size(); }
 };
 
+inline constexpr int kBorder = 4;  // texels: 3 for a kernel, 1 for what bilinear lookups take beside a chart
 // Of the geometry maps that atlas wrote for the mesh. Throws Error(kBadInput) naming file and texel: channels that are missing, another
-// mesh's maps, no square, nothing covered, no border of `border` texels where one is needed.
+// mesh's maps, no square, nothing covered; and where charts meet, a border of less than kBorder texels, over which kernels could not see.
 Texels texelsOf(const std::filesystem::path& maps, const formats::TriangleMesh& mesh, const Knots& knots);
 
 }  // namespace bakelight::kernels

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <Eigen/Dense>
 #include <map>
+#include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "tools/kernels/point_index.h"
 
@@ -15,10 +18,10 @@ namespace {
 // Of spacings: hats follow what is smooth over that much; measured on plates (docs/TRANSLUCENCY.md).
 constexpr float kSmoothing = 1.5F;
 // Far knots are that many spacings apart, and the same of theirs is smoothed.
-constexpr double kFarSpacing = 4;
+constexpr double kFarSpacings[] = {4, 3, 2};  // the first at which they can follow how fast R_d falls off
 constexpr double kFarSmoothing = 2.2;
-constexpr double kLeastFarSpacing = 2;     // where R_d falls off so fast that farther ones could not follow
 constexpr float kLeastFall = 0.25F;        // of R_d from there to a far knot's spacing farther
+constexpr float kTouching = 0.2F;          // of the radius within which R_d is smoothed
 constexpr std::size_t kFewKnots = 1500;    // whose pairs are fewer than what far knots cost
 constexpr std::size_t kFarNeighbors = 16;  // of a quadratic fit, which has 10 terms in space and 6 on a plane
 constexpr double kMostWeight = 4;          // Σ |weights| of a fit that is still one
@@ -28,17 +31,30 @@ struct Rows {
   std::vector<std::vector<float>> values;
 
   explicit Rows(std::size_t count) : columns(count), values(count) {}
-  Matrix joined(std::size_t value_columns) const {
+  // Rows go as they are joined, so that they are not there twice.
+  Matrix joined(std::size_t value_columns) && {
+    std::size_t count = 0;
+    for (const auto& row : columns) count += row.size();
     Matrix matrix;
     matrix.value_columns = value_columns;
+    matrix.columns.reserve(count);
+    matrix.values.reserve(count * value_columns);
     for (std::size_t r = 0; r < columns.size(); ++r) {
       matrix.columns.insert(matrix.columns.end(), columns[r].begin(), columns[r].end());
       matrix.values.insert(matrix.values.end(), values[r].begin(), values[r].end());
       matrix.ends.push_back(static_cast<std::uint32_t>(matrix.columns.size()));
+      columns[r] = {};
+      values[r] = {};
     }
     return matrix;
   }
 };
+
+void requireRoom(std::uint64_t factors) {
+  if (factors > Throughput::kMostFactors)
+    throw std::length_error("some " + std::to_string(factors / 1'000'000) +
+                            " million factors between vertices");
+}
 
 void push(std::vector<float>& values, const Rgb& rgb) {
   values.insert(values.end(), {rgb[0], rgb[1], rgb[2]});
@@ -77,19 +93,20 @@ bool isFollowed(const Reflectance& reflectance, double radius, double cell) {
 
 // One of each cell of a grid: that nearest to the middle of those in it. Cells as large as R_d allows.
 void Throughput::chooseFarKnots() {
-  double cell = kFarSpacing * knots_.meanSpacing(), radius = kFarSmoothing * cell;
-  outer_smoothing_ = static_cast<float>(radius);
+  double cell = kFarSpacings[0] * knots_.meanSpacing();
+  outer_smoothing_ = static_cast<float>(kFarSmoothing * cell);
+  if (options_.hierarchical && knots_.count() >= kFewKnots &&
+      reflectance_.reach(1e-3) >= 1.5 * kFarSmoothing * cell)
+    for (const double spacings : kFarSpacings) {
+      cell = spacings * knots_.meanSpacing();
+      has_far_ = isFollowed(reflectance_, kFarSmoothing * cell, cell);
+      if (!has_far_) continue;
+      outer_smoothing_ = static_cast<float>(kFarSmoothing * cell);
+      break;
+    }
   // Where triangles are large, what is near must not reach farther than that.
-  for (float& radius_of_knot : smoothing_) radius_of_knot = std::min(radius_of_knot, outer_smoothing_);
-  const double fewer = kLeastFarSpacing / kFarSpacing;
-  if (!options_.hierarchical || knots_.count() < kFewKnots || reflectance_.reach(1e-3) < 1.5 * radius) return;
-  if (!isFollowed(reflectance_, radius, cell)) {
-    cell *= fewer, radius *= fewer;
-    if (!isFollowed(reflectance_, radius, cell)) return;
-    outer_smoothing_ = static_cast<float>(radius);
-    for (float& radius_of_knot : smoothing_) radius_of_knot = std::min(radius_of_knot, outer_smoothing_);
-  }
-  has_far_ = true;
+  for (float& radius : smoothing_) radius = std::min(radius, outer_smoothing_);
+  if (!has_far_) return;
   std::map<std::array<std::int64_t, 3>, std::vector<std::uint32_t>> cells;
   for (std::size_t k = 0; k < knots_.count(); ++k) {
     std::array<std::int64_t, 3> key{};
@@ -106,6 +123,7 @@ void Throughput::chooseFarKnots() {
         });
     far_positions_.push_back(knots_.positions[*nearest]);
   }
+  requireRoom(std::uint64_t{far_positions_.size()} * far_positions_.size());
 }
 
 // R_d between two hats, which are three corners' thirds of their triangles: by the middle of each.
@@ -125,31 +143,49 @@ Rgb Throughput::apart(std::size_t a, std::size_t b) const {
   return (oneWay(a, b) + oneWay(b, a)) / 2;
 }
 
+// Of a knot among others as far apart as most.
+double Throughput::hatArea() const {
+  return knots_.meanSpacing() * knots_.meanSpacing() * std::sqrt(3.0) / 2;
+}
+
+// Beyond it every factor is below the threshold.
+double Throughput::reachOfFactors(double hat_area) const {
+  const auto isFactor = [&](double distance) {
+    return static_cast<double>(reflectance_.exact(static_cast<float>(distance)).maxCoeff()) * hat_area >=
+           options_.threshold;
+  };
+  double reach = static_cast<double>(outer_smoothing_);
+  while (isFactor(reach) && reach < reflectance_.farthest()) reach *= 1.1;
+  return reach;
+}
+
 void Throughput::makeNear() {
   const std::size_t count = knots_.count();
   const PointIndex index(knots_.positions);
-  const double mean_area = knots_.meanSpacing() * knots_.meanSpacing() * std::sqrt(3.0) / 2;
-  const double reach = has_far_ ? static_cast<double>(outer_smoothing_) : 1e300;
+  const double hat_area = hatArea();
+  const double reach = has_far_ ? static_cast<double>(outer_smoothing_) : reachOfFactors(hat_area);
+  // What lies beyond that is dropped, on a plane at most so much.
+  const double beyond = has_far_ ? 0 : reflectance_.shareBeyond(reach);
+  std::vector<std::uint32_t> sample;
+  index.within(knots_.positions[count / 2], reach, sample);
+  requireRoom(std::uint64_t{sample.size()} * count / 4);  // of one knot's; others may have some times as many
   Rows rows(count);
   std::vector<double> dropped(count, 0);
   std::vector<std::size_t> apart_pairs(count, 0);
+  std::vector<std::uint8_t> touches(count, 0);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     std::vector<std::uint32_t> near, along;
-    if (has_far_) {
-      index.within(knots_.positions[i], reach, near);
-    } else {
-      near.resize(count);
-      for (std::size_t j = 0; j < count; ++j) near[j] = static_cast<std::uint32_t>(j);
-    }
+    index.within(knots_.positions[i], reach, near);
     alongSurface(knots_, i, 1.5 * static_cast<double>(smoothing_[i]), along);
     for (const std::uint32_t j : near) {
       const auto distance = static_cast<float>((knots_.positions[i] - knots_.positions[j]).norm());
-      const bool is_apart = distance < (smoothing_[i] + smoothing_[j]) / 2 &&
-                            !std::binary_search(along.begin(), along.end(), j);
+      const float radius = (smoothing_[i] + smoothing_[j]) / 2;
+      const bool is_apart = distance < radius && !std::binary_search(along.begin(), along.end(), j);
       Rgb value = is_apart ? apart(i, j) : between(i, j);
       apart_pairs[i] += is_apart;
+      touches[i] |= is_apart && distance < kTouching * radius;
       if (has_far_) value -= reflectance_.smoothed(distance, outer_smoothing_);
-      if (static_cast<double>(value.abs().maxCoeff()) * mean_area < options_.threshold && j != i) {
+      if (static_cast<double>(value.abs().maxCoeff()) * hat_area < options_.threshold && j != i) {
         dropped[i] += static_cast<double>(value.abs().maxCoeff()) * knots_.areas[j];
         continue;
       }
@@ -157,9 +193,15 @@ void Throughput::makeNear() {
       push(rows.values[i], value);
     }
   });
-  near_ = rows.joined(3);
-  figures_.dropped_share = *std::max_element(dropped.begin(), dropped.end());
-  for (const std::size_t pairs : apart_pairs) figures_.apart_pairs += pairs;
+  std::uint64_t factors = 0;
+  for (const auto& row : rows.columns) factors += row.size();
+  requireRoom(factors);
+  near_ = std::move(rows).joined(3);
+  figures_.dropped_share = beyond + *std::max_element(dropped.begin(), dropped.end());
+  for (std::size_t i = 0; i < count; ++i) {
+    figures_.apart_pairs += apart_pairs[i];
+    figures_.touching_knots += touches[i];
+  }
 }
 
 // Moving least squares: weights of far knots around a knot that reproduce quadratic functions of space, those nearby more.
@@ -205,7 +247,7 @@ void Throughput::makeSpread() {
     for (const auto& [column, value] : entries)
       rows.columns[i].push_back(column), rows.values[i].push_back(value);
   });
-  spread_ = rows.joined(1);
+  spread_ = std::move(rows).joined(1);
 }
 
 void Throughput::makeFar() {
@@ -217,7 +259,7 @@ void Throughput::makeFar() {
       push(rows.values[a], reflectance_.smoothed(distance, outer_smoothing_));
     }
   });
-  far_ = rows.joined(3);
+  far_ = std::move(rows).joined(3);
 }
 
 std::vector<Rgb> multiply(const Matrix& matrix, const std::vector<Rgb>& x) {
@@ -246,9 +288,13 @@ Matrix sharpeningOf(const Knots& knots) {
 
 std::vector<Rgb> Throughput::respondSmoothly(const std::vector<Rgb>& power) const {
   if (has_far_) return multiply(spread_, multiply(far_, multiplyTransposed(spread_, power, farCount())));
+  const PointIndex index(knots_.positions);
+  const double reach = reachOfFactors(hatArea());
   std::vector<Rgb> response(knots_.count(), Rgb::Zero());
   tbb::parallel_for(std::size_t{0}, knots_.count(), [&](std::size_t i) {
-    for (std::size_t j = 0; j < knots_.count(); ++j)
+    std::vector<std::uint32_t> near;
+    index.within(knots_.positions[i], reach, near);
+    for (const std::uint32_t j : near)
       response[i] += power[j] * reflectance_.smoothed(
                                     static_cast<float>((knots_.positions[i] - knots_.positions[j]).norm()),
                                     outer_smoothing_);

@@ -27,12 +27,16 @@ class Throughput {
     double threshold = 1e-6;   // factors below it, relative to what enters around a knot, are dropped
     bool hierarchical = true;  // far knots for a smoother part, where there are enough knots
   };
+  static constexpr std::uint64_t kMostFactors = 200'000'000;  // 3 GB of them
   struct Figures {
     double dropped_share = 0;     // of the total response, at most (a row's)
     std::size_t apart_pairs = 0;  // near in space, not along the surface
+    // Knots that another one, not along the surface, is so near that means over hats say little of what passes between.
+    std::size_t touching_knots = 0;
   };
 
-  // `reflectance` reaches over the whole mesh; both outlive this.
+  // `reflectance` reaches over the whole mesh; both outlive this. Throws std::length_error for so many factors that they would not fit (kMostFactors).
+  // Cost: about 300 factors a knot and 1/250 of a knot's each other one; without far knots, those pairs whose factors reach `threshold`.
   Throughput(const Knots& knots, const Reflectance& reflectance, const Options& options);
 
   // Radius within which R_d is smoothed around a knot; that between two is the mean of theirs.
@@ -57,6 +61,8 @@ class Throughput {
 
  private:
   void chooseFarKnots();
+  double hatArea() const;
+  double reachOfFactors(double hat_area) const;
   void makeNear();
   void makeSpread();
   void makeFar();

@@ -110,7 +110,8 @@ int main(int argc, char** argv) {
     for (const std::string& name : formats::translucentMaterials(materials))
       if (!translucency)
         run.warn("the medium of " + (name.empty() ? "the asset's own material" : "\"" + name + "\"") +
-                 " is left out: without kernels a pack shows its albedo as diffuse reflection");
+                 " is left out: without kernels a pack shows its albedo as diffuse reflection, of what "
+                 "enters it alone");
     packing::takeMaterials(materials, patches);
     if (!btfs_path.empty())
       for (formats::BtfTable& table : formats::readBtfTables(btfs_path))
@@ -128,7 +129,9 @@ int main(int argc, char** argv) {
                                material_path.string(), rtt_path.string(), id_map_path.string()},
                               patches, &textures);
     formats::Pack ordered = pack;
-    if (translucency) packing::makeTranslucent(std::move(*translucency), kernels_path.string(), ordered);
+    if (translucency)
+      packing::makeTranslucent(std::move(*translucency), kernels_path.string(), transfer,
+                               transfer_path.string(), ordered);
     if (const std::size_t dropped = packing::orderByMaterial(ordered); dropped > 0)
       run.warn(std::to_string(dropped) + " vertices without a triangle were left out");
     const formats::Bytes bytes = formats::encodePack(ordered, file_options, pack_path.string());

@@ -84,8 +84,9 @@ int main(int argc, char** argv) {
     if (options.entered_ior > 0 &&
         (options.transport == transfer::Transport::kInterreflected || settings.isGlossy()))
       throw badInput({material_path.string(), "", "/medium"},
-                     "the object is translucent, and light bounces off none such here",
-                     "diffuse transfer without bounces", "give --technique diffuse --transport shadowed");
+                     "it is translucent, and light that bounces between translucent surfaces is not baked",
+                     "diffuse transfer without bounces",
+                     "set transport shadowed and technique diffuse, as the recipe translucent does");
 
     const auto start = std::chrono::steady_clock::now();
     transfer::Transfer baked;

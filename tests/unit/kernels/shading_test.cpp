@@ -1,6 +1,7 @@
 // A translucent pack as it is shaded and kept.
 #include <gtest/gtest.h>
 
+#include "formats/compare.h"
 #include "formats/error.h"
 #include "formats/pack.h"
 #include "tests/support/made_translucent_pack.h"
@@ -98,6 +99,27 @@ TEST(TranslucentPack, ComesBackAsItWasWhateverOrderItsVerticesTake) {
     for (std::size_t i = 0; i < expected.radiosity().size(); ++i)
       for (std::size_t c = 0; c < 4; ++c)
         EXPECT_NEAR(shading.radiosity()[i][c], expected.radiosity()[i][c], 1e-5F);
+  }
+}
+
+TEST(TranslucentPack, EveryTableIsCompared) {
+  const formats::Pack pack = tests::translucentPack(24, tests::mediumOf(2.5), 2, 0.5F);
+  EXPECT_TRUE(formats::comparePacks(pack, pack, {}).passes());
+  const auto changed = [](formats::EncodedTable& table) {
+    std::vector<float> values = table.decode();
+    values[values.size() / 2] += 0.5F;
+    table = formats::encodeTable(values, table.columns, table.precision, "test", "table");
+  };
+  using T = formats::Translucency;
+  for (formats::EncodedTable T::*table : {&T::texel_weights, &T::areas, &T::blend, &T::kernels}) {
+    formats::Pack other = pack;
+    changed(other.appearances.front().reflection.as<T>()->*table);
+    EXPECT_FALSE(formats::comparePacks(other, pack, {}).passes());
+  }
+  for (formats::SparseRows T::*matrix : {&T::sharpen, &T::near}) {
+    formats::Pack other = pack;
+    changed((other.appearances.front().reflection.as<T>()->*matrix).values);
+    EXPECT_FALSE(formats::comparePacks(other, pack, {}).passes());
   }
 }
 

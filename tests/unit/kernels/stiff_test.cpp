@@ -1,6 +1,9 @@
 // Media, meshes and units that are extreme.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+
+#include <map>
 
 #include "formats/error.h"
 #include "formats/part_tensors.h"
@@ -22,7 +25,7 @@ std::vector<formats::Float3> evenResponse(const formats::Translucency& transluce
 // From a hundredth of a texel to ten times the plate.
 TEST(Stiff, AnyMeanFreePathGivesWhatTheIntegralGives) {
   const auto mesh = tests::plateMesh(kTexels, 4.4);
-  for (double path = 0.01; path < 1000; path *= 10) {
+  for (const double path : {0.01, 0.1, 1.0, 10.0, 440.0}) {
     const auto medium = tests::mediumOf(path, 0.99);
     const Made made = tests::kernelsOf(mesh, kTexels, medium);
     const auto colors = reflectanceOf(medium);
@@ -90,12 +93,16 @@ TEST(Stiff, CoincidentSheetsGiveTwice) {
   const auto radiosity = evenResponse(made.translucency);
   const auto texels = formats::wordsOf(made.translucency.texels),
              receivers = formats::wordsOf(made.translucency.receivers);
+  std::size_t checked = 0;
   for (std::size_t r = 0; r < receivers.size(); ++r) {
     const std::uint32_t place = texels[receivers[r]];
     const double x = place % (2 * kTexels) % kTexels + 0.5, y = place / (2 * kTexels) + 0.5;
     if (std::hypot(x - kTexels / 2, y - kTexels / 2) > 6) continue;
     EXPECT_NEAR(radiosity[r][0] / (2 * total), 1, 0.03) << x << " " << y;
+    ++checked;
   }
+  EXPECT_GT(checked, 100U);
+  EXPECT_GT(made.figures.touching_knots, 50U);
 }
 
 // Numbers do not depend on the unit of length.
@@ -133,6 +140,63 @@ TEST(Stiff, ThreadsChangeNoByte) {
   const auto all = bytesOf();
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(bytesOf(), all);
+}
+
+// Where the surface goes on in another chart, nothing shows.
+TEST(Stiff, ChartsThatMeetGiveWhatOneChartGives) {
+  constexpr int kSide = kTexels + 16;
+  const auto medium = tests::mediumOf(2.0);
+  const auto lit = [](const formats::Translucency& translucency, int side, bool cut) {
+    std::map<std::pair<int, int>, float> found;  // by place on the plate
+    const auto texels = formats::wordsOf(translucency.texels);
+    const auto columnOf = [&](std::uint32_t place) {
+      const int column = static_cast<int>(place) % side;
+      return cut && column > kTexels / 2 + 6 ? column - 12 : column;
+    };
+    std::vector<formats::Float3> entering;
+    for (const std::uint32_t place : texels) {
+      const float value = columnOf(place) > kTexels / 2 + 3 ? 1 : 0.2F;
+      entering.push_back({value, value, value});
+    }
+    const auto areas = translucency.areas.decode();
+    const TranslucentResponse response(translucency);
+    const auto radiosity = response.respond(entering);
+    const auto receivers = formats::wordsOf(translucency.receivers);
+    for (std::size_t r = 0; r < receivers.size(); ++r) {
+      const std::uint32_t place = texels[receivers[r]];
+      if (areas[receivers[r]] > 0.9F * areas[texels.size() / 3])
+        found[{columnOf(place), static_cast<int>(place) / side}] = radiosity[r][0];
+    }
+    return found;
+  };
+  const auto whole =
+      lit(tests::kernelsOf(tests::plateMesh(kTexels, 4.4), kTexels, medium).translucency, kTexels, false);
+  const auto cut =
+      lit(tests::kernelsOf(tests::cutPlateMesh(kTexels, 4.4), kSide, medium).translucency, kSide, true);
+  const double total = reflectanceOf(medium)[0].total();
+  std::size_t near_cut = 0;
+  for (const auto& [place, radiosity] : cut) {
+    const auto other = whole.find(place);
+    if (other == whole.end() || place.second < 8 || place.second > kTexels - 9) continue;
+    EXPECT_NEAR(radiosity, other->second, 0.02 * total) << place.first << " " << place.second;
+    near_cut += std::abs(place.first - kTexels / 2) < 4;
+  }
+  EXPECT_GT(near_cut, 100U);
+}
+
+TEST(Stiff, MapsWithoutABorderAreRefusedWhereChartsMeet) {
+  const auto mesh = tests::cutPlateMesh(kTexels, 4.4);
+  for (const int border : {0, 3}) {
+    const tests::TemporaryFolder folder;
+    tests::writeMaps(mesh, kTexels + 16, folder / "maps.exr", border);
+    try {
+      makeTranslucency(mesh, folder / "maps.exr", tests::mediumOf(1), {}, stage::ProgressStyle::kNone);
+      ADD_FAILURE() << border;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(border == 0 ? "nothing" : "3 texels"));
+      EXPECT_THAT(error.what(), testing::HasSubstr("--border 4"));
+    }
+  }
 }
 
 TEST(Stiff, MapsOfAnotherMeshAreRefused) {

@@ -1,5 +1,6 @@
 #include "tools/simplify/simplify.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -178,6 +179,38 @@ TEST(Simplify, DoesNotDecimateWhatIsSmallEnough) {
 }
 
 // A hole closed by a fan of needles: halves of the shorter sides alone would never become short.
+// As many triangles as asked for, and the same surface.
+TEST(Simplify, RefinesACoarseMeshWhereItIsAskedTo) {
+  const TriangleMesh coarse = tests::icosphere(1);
+  SimplifyOptions options;
+  options.triangles = 2000;
+  EXPECT_EQ(simplify(coarse, options, "test").mesh.triangleCount(), coarse.triangleCount());
+  options.refine = true;
+  const SimplifyResult refined = simplify(coarse, options, "test");
+  EXPECT_NEAR(static_cast<double>(refined.mesh.triangleCount()), 2000, 20);
+  EXPECT_LT(refined.report.deviation.hausdorff, 0.01);
+  EXPECT_GT(refined.report.angles_out.mean_min_angle_deg, 40);
+}
+
+TEST(Simplify, LeavesSmallPartsOutAndSaysSo) {
+  TriangleMesh mesh = tests::icosphere(3);
+  tests::append(mesh, tests::icosphere(1, 0.03));  // 1/1100 of the area, inside
+  SimplifyOptions options;
+  EXPECT_EQ(simplify(mesh, options, "test").mesh.triangleCount(), mesh.triangleCount());
+  options.least_part = 1e-4;
+  EXPECT_EQ(simplify(mesh, options, "test").mesh.triangleCount(), mesh.triangleCount());
+  options.least_part = 0.002;
+  const SimplifyResult result = simplify(mesh, options, "test");
+  EXPECT_EQ(result.mesh.triangleCount(), tests::icosphere(3).triangleCount());
+  EXPECT_EQ(result.report.small_parts.parts, 1U);
+  ASSERT_FALSE(result.report.warnings.empty());
+  EXPECT_THAT(result.report.warnings.back(), testing::HasSubstr("80 triangles"));
+  // Never all of it.
+  options.least_part = 1;
+  EXPECT_EQ(simplify(tests::icosphere(2), options, "test").mesh.triangleCount(),
+            tests::icosphere(2).triangleCount());
+}
+
 TEST(Refine, LongTrianglesBecomeShortInFewSplits) {
   WorkingMesh fan;
   constexpr std::uint32_t kSides = 60;

@@ -9,6 +9,7 @@
 #include "tests/support/shapes.h"
 #include "tests/unit/transfer/bake.h"
 #include "tools/transfer/transfer_file.h"
+#include "transport/diffusion.h"
 #include "transport/sh.h"
 
 namespace bakelight::transfer {
@@ -67,6 +68,52 @@ TEST_P(TransferOrder, ConvexBodyShadowedEqualsUnshadowed) {
   EXPECT_EQ(baked.blocked_rays, 0u);
   EXPECT_GT(baked.rays, sphere.vertexCount() * 2000);
   EXPECT_EQ(baked.vectors, bake(sphere, unshadowed(GetParam())).vectors);
+}
+
+// What enters a medium: the closed form of its own kernel, by rays too, and under a uniform sky the share that enters.
+TEST_P(TransferOrder, OfAMediumIsWhatEnters) {
+  const TriangleMesh sphere = icosphere(3);
+  const int order = GetParam(), count = coefficientCount(order);
+  for (const double eta : {1.0, 1.5}) {
+    TransferOptions options = unshadowed(order);
+    options.entered_ior = eta;
+    const Transfer baked = bake(sphere, options);
+    const std::vector<double> factors = transport::enteringCosineFactors(order, eta);
+    for (std::size_t v = 0; v < sphere.vertexCount(); v += 7) {
+      const std::vector<double> basis = transport::evaluateSh(order, vec3(sphere.normals[v]));
+      for (int l = 0; l < order; ++l)
+        for (int i = l * l; i < (l + 1) * (l + 1); ++i)
+          EXPECT_NEAR(baked.vectors[v * count + i], factors[l] / kPi * basis[i], 1e-6);
+    }
+    options.transport = Transport::kShadowed;
+    options.directions = 4096;
+    EXPECT_EQ(bake(sphere, options).vectors, baked.vectors);
+  }
+}
+
+// Half of the sky shut off by a wall: what enters comes from the other half, whichever way it is weighted.
+TEST(TransferOfAMedium, LosesHalfToAWall) {
+  TriangleMesh mesh = icosphere(1, 0.01);
+  TriangleMesh wall;
+  wall.positions = {{0.02F, -500, -500}, {0.02F, 500, -500}, {0.02F, 500, 500}, {0.02F, -500, 500}};
+  wall.normals.assign(4, Float3{-1, 0, 0});
+  wall.triangles = {{0, 2, 1}, {0, 3, 2}};
+  append(mesh, wall);
+  TransferOptions options = shadowed(1, 16384);
+  std::size_t checked = 0;
+  for (const double eta : {0.0, 1.5}) {
+    options.entered_ior = eta;
+    const Transfer baked = bake(mesh, options);
+    options.transport = Transport::kUnshadowed;
+    const Transfer open = bake(mesh, options);
+    options.transport = Transport::kShadowed;
+    for (std::size_t v = 0; v + 4 < mesh.vertexCount(); ++v) {
+      if (std::abs(mesh.normals[v][0]) > 1e-3F) continue;
+      EXPECT_NEAR(baked.vectors[v] / open.vectors[v], 0.5, 0.02) << eta;
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 6U);
 }
 
 // Furnace: a white convex body under a uniform sky of radiance 1 leaves radiance 1.

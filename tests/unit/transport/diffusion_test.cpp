@@ -47,6 +47,40 @@ TEST(Fresnel, DiffuseReflectanceIsAsTabulatedAndNothingWithoutABoundary) {
   EXPECT_EQ(schlickTransmittance(0, 1.5), 0);
 }
 
+TEST(Fresnel, EnteringFactorsAreIntegralsOfTheirKernel) {
+  const std::vector<double> factors = enteringCosineFactors(6, 1.5);
+  constexpr int kSteps = 20000;
+  for (int l = 0; l < 6; ++l) {
+    double sum = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      const double cosine = (i + 0.5) / kSteps;
+      sum += 2 * kPi * std::legendre(static_cast<unsigned>(l), cosine) * cosine *
+             schlickTransmittance(cosine, 1.5) / kSteps;
+    }
+    EXPECT_NEAR(factors[static_cast<std::size_t>(l)], sum, 1e-6) << l;
+  }
+}
+
+// Summed over a square grid, shifted or not, it has R_d's frequency response up to half of what the grid carries, whatever the mean free path.
+TEST(Diffusion, BandLimitedIsWhatAGridCarries) {
+  for (const DiffusionModel model : kModels)
+    for (const double path : {0.01, 0.5, 2.0}) {
+      const DiffuseReflectance r(model, {0.95 / path, 0.05 / path, 1.3});
+      for (const double k : {0.0, kPi / 8, kPi / 2})
+        for (const double shift : {0.0, 0.37}) {
+          double sum = 0;
+          constexpr int kReach = 40;
+          for (int y = -kReach; y <= kReach; ++y)
+            for (int x = -kReach; x <= kReach; ++x) {
+              const double u = x + shift, v = y + 0.6 * shift;
+              const double distance = std::hypot(u, v);
+              sum += std::cos(k * u) * (distance < 8 ? r.bandLimited(distance, 1) : r(distance));
+            }
+          EXPECT_NEAR(sum, r.frequencyResponse(k), 0.004 * r.total()) << path << " " << k << " " << shift;
+        }
+    }
+}
+
 TEST(Diffusion, TheDipolesTotalIsTheClosedForm) {
   const double f = 0.596346, offset = (1 + f) / (1 - f);
   for (const double absorption : {0.0021, 0.0041, 0.0071, 0.5}) {
