@@ -22,6 +22,7 @@ find_package(OpenImageIO REQUIRED)
 find_package(OpenEXR REQUIRED)
 find_package(PNG REQUIRED)
 find_package(meshoptimizer REQUIRED)
+find_package(glm REQUIRED)
 find_package(hwy REQUIRED)
 pkg_check_modules(libzip REQUIRED IMPORTED_TARGET libzip)
 # FLANN's own files ask for the HDF5 and MPI libraries, which its templates do not need; LZ4 they do.

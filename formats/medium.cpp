@@ -29,6 +29,44 @@ constexpr Word<MeasuredMedium> kMedia[] = {
 // What a float still holds the reciprocal of.
 constexpr JsonReader::Range kScattering = {1e-12, 1e12}, kAbsorption = {0, 1e12}, kEta = {1, 3},
                             kUnit = {1e-9, 1e9};
+constexpr int kMostSeed = 1 << 20;
+
+// What it is named after, if it is.
+std::optional<MeasuredMedium> readCoefficients(const JsonReader& object, Float3& reduced_scattering,
+                                               Float3& absorption) {
+  if (!object.has("name")) {
+    reduced_scattering =
+        object.at("reduced_scattering", "three numbers in 1/mm, or \"name\"").float3(kScattering);
+    absorption = object.at("absorption", "three numbers in 1/mm").float3(kAbsorption);
+    return std::nullopt;
+  }
+  const MeasuredMedium& measured = object.choice("name", kMedia);
+  for (const char* own : {"reduced_scattering", "absorption"})
+    if (object.has(own))
+      throw object.at(own).error("a medium by name has its coefficients from the table",
+                                 "either \"name\", or \"reduced_scattering\" and \"absorption\"");
+  reduced_scattering = measured.reduced_scattering;
+  absorption = measured.absorption;
+  return measured;
+}
+
+Veins veinsFrom(const JsonReader& object) {
+  Veins veins;
+  readCoefficients(object, veins.reduced_scattering, veins.absorption);
+  veins.spacing = object.number("spacing", kUnit);
+  veins.width = object.number("width", kUnit);
+  if (veins.width >= veins.spacing)
+    throw object.at("width").error("veins are as wide as they are apart", "less than \"spacing\"");
+  object.read("seed", veins.seed, {0, kMostSeed});
+  object.refuseOthers();
+  return veins;
+}
+
+Json numbers(const Float3& values) {
+  Json json = Json::array();
+  for (const float value : values) json.push_back(shortestDouble(value));
+  return json;
+}
 
 }  // namespace
 
@@ -38,38 +76,29 @@ std::vector<std::string> namesOfMedia() {
 
 Medium mediumFrom(const JsonReader& object) {
   Medium medium;
-  if (object.has("name")) {
-    const MeasuredMedium& measured = object.choice("name", kMedia);
-    medium.reduced_scattering = measured.reduced_scattering;
-    medium.absorption = measured.absorption;
-    medium.eta = measured.eta;
-    for (const char* own : {"reduced_scattering", "absorption"})
-      if (object.has(own))
-        throw object.at(own).error("a medium by name has its coefficients from the table",
-                                   "either \"name\", or \"reduced_scattering\" and \"absorption\"");
-  } else {
-    medium.reduced_scattering =
-        object.at("reduced_scattering", "three numbers in 1/mm, or \"name\"").float3(kScattering);
-    medium.absorption = object.at("absorption", "three numbers in 1/mm").float3(kAbsorption);
-  }
+  if (const auto measured = readCoefficients(object, medium.reduced_scattering, medium.absorption))
+    medium.eta = measured->eta;
   object.read("eta", medium.eta, kEta);
   object.read("unit_mm", medium.unit_mm, kUnit);
   object.read("model", medium.model, kDiffusionModels);
+  if (const auto veins = object.find("veins")) medium.veins = veinsFrom(*veins);
   object.refuseOthers();
   return medium;
 }
 
 Json toJson(const Medium& medium) {
-  const auto numbers = [](const Float3& values) {
-    Json json = Json::array();
-    for (const float value : values) json.push_back(shortestDouble(value));
-    return json;
-  };
-  return {{"reduced_scattering", numbers(medium.reduced_scattering)},
-          {"absorption", numbers(medium.absorption)},
-          {"eta", medium.eta},
-          {"unit_mm", medium.unit_mm},
-          {"model", wordFor(kDiffusionModels, medium.model)}};
+  Json json = {{"reduced_scattering", numbers(medium.reduced_scattering)},
+               {"absorption", numbers(medium.absorption)},
+               {"eta", medium.eta},
+               {"unit_mm", medium.unit_mm},
+               {"model", wordFor(kDiffusionModels, medium.model)}};
+  if (medium.veins)
+    json["veins"] = {{"reduced_scattering", numbers(medium.veins->reduced_scattering)},
+                     {"absorption", numbers(medium.veins->absorption)},
+                     {"spacing", medium.veins->spacing},
+                     {"width", medium.veins->width},
+                     {"seed", medium.veins->seed}};
+  return json;
 }
 
 }  // namespace bakelight::formats

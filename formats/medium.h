@@ -1,6 +1,7 @@
 // A scattering medium that an object consists of: what lets light through below its surface.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,17 @@ inline constexpr Word<DiffusionModel> kDiffusionModels[] = {
     {"better_dipole", DiffusionModel::kBetterDipole},
     {"normalized_diffusion", DiffusionModel::kNormalizedDiffusion}};
 
+// Another medium in thin sheets all through one: about where noise is 0 (Perlin 1985, "An Image Synthesizer"). Lengths are in the
+// asset's unit.
+struct Veins {
+  Float3 reduced_scattering = {1, 1, 1};  // σs′, in 1/mm, > 0
+  Float3 absorption = {0, 0, 0};          // σa, in 1/mm, ≥ 0
+  double spacing = 1;                     // of the noise: veins are about as far apart, > 0
+  double width = 0.1;  // where half of what is there is the veins' medium, > 0 and less than `spacing`
+  int seed = 0;        // of the noise; others are elsewhere
+  bool operator==(const Veins&) const = default;
+};
+
 // Red, green and blue.
 struct Medium {
   Float3 reduced_scattering = {1, 1, 1};  // σs′, in 1/mm, > 0
@@ -26,13 +38,14 @@ struct Medium {
   double eta = 1.3;                       // index of refraction, 1–3
   double unit_mm = 1;                     // millimetres in the asset's unit of length
   DiffusionModel model = DiffusionModel::kDipole;
+  std::optional<Veins> veins = {};
   bool operator==(const Medium&) const = default;
 };
 
 // Measured ones (Jensen, Marschner, Levoy and Hanrahan 2001, figure 5), and what stands for none of them.
 std::vector<std::string> namesOfMedia();
 
-// {"name": one of namesOfMedia()} or {"reduced_scattering": …, "absorption": …}, with "eta", "unit_mm" and "model". Throws
+// {"name": one of namesOfMedia()} or {"reduced_scattering": …, "absorption": …}, with "eta", "unit_mm", "model" and "veins". Throws
 // Error(kBadInput) as JsonReader.
 Medium mediumFrom(const JsonReader& object);
 Json toJson(const Medium& medium);  // by coefficients

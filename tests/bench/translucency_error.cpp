@@ -39,7 +39,8 @@ struct Naive {
     for (std::size_t i = 0; i < knots.count(); ++i)
       if (i != j && irradiance[i] != 0)
         sum += irradiance[i] * static_cast<float>(knots.areas[i]) *
-               reflectance.exact(static_cast<float>((knots.positions[i] - knots.positions[j]).norm()));
+               reflectance.exact(static_cast<float>((knots.positions[i] - knots.positions[j]).norm()),
+                                 reflectance.along(knots.positions[i], knots.positions[j]));
     return sum;
   }
   Rgb local(std::size_t receiver) const {
@@ -54,8 +55,9 @@ struct Naive {
         const auto source = static_cast<std::size_t>(s);
         const float distance = (texels.positions[source] - texels.positions[receiver]).norm();
         sum += light[source] * texels.cells[source] *
-               reflectance.betweenTexels(distance, texels.sides[receiver],
-                                         reflectance.bandOf(texels.sides[receiver]));
+               reflectance.betweenTexels(
+                   distance, texels.sides[receiver], reflectance.bandOf(texels.sides[receiver]),
+                   reflectance.along(texels.positions[source], texels.positions[receiver]));
       }
     return sum;
   }
@@ -94,7 +96,10 @@ TranslucencyErrors translucencyErrors(const kernels::Knots& knots, const kernels
       const float power = texels.areas[s] * entering[s];
       if (power == 0) continue;
       const float distance = (texels.positions[s] - texels.positions[texel]).norm();
-      truth += (power * reflectance.betweenTexels(distance, texels.sides[texel], band)).cast<double>();
+      truth += (power * reflectance.betweenTexels(
+                            distance, texels.sides[texel], band,
+                            reflectance.along(texels.positions[s], texels.positions[texel])))
+                   .cast<double>();
     }
     Rgb apart = naive.local(texel);
     for (int k = 0; k < 3; ++k)

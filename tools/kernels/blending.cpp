@@ -22,6 +22,8 @@ constexpr float kHalfWindow = formats::kKernelSide / 2.0F;
 constexpr double kSumWeight = 100;
 // What is smooth over that many spacings, hats between knots follow.
 constexpr float kRoughRadius = 2;
+// What is smooth over that many, sums over knots follow.
+constexpr float kExactRadius = 4;
 constexpr double kRidge = 0.01;  // of the hats' squares, inside the window, too
 constexpr double kRankThreshold = 1e-7;
 constexpr float kMostWeight = 2;  // that a texel may give to one of its knots, of what falls on it
@@ -211,8 +213,10 @@ class Blender {
         whole += a * hat.squaredNorm();
         if (inWindow(x, texel)) continue;
         const float distance = (texels_.positions[x] - texels_.positions[texel]).norm();
-        const Rgb rest =
-            reflectance_.betweenTexels(distance, texels_.sides[x], bands_[x]) - between(near, to_knots, x);
+        const Rgb rest = reflectance_.betweenTexels(
+                             distance, texels_.sides[x], bands_[x],
+                             reflectance_.along(texels_.positions[x], texels_.positions[texel])) -
+                         between(near, to_knots, x);
         const Eigen::Vector3d r = rest.matrix().cast<double>();
         normal += a * hat * hat.transpose();
         right += a * hat * r.transpose();
@@ -265,8 +269,9 @@ class Blender {
       const std::uint32_t s = owned_[n];
       const auto distance = static_cast<float>((places_[n] - place).norm());
       if (distance >= radius) continue;
-      sum += texels_.areas[s] * (reflectance_.betweenTexels(distance, texels_.sides[s], bands_[s]) -
-                                 reflectance_.smoothed(distance, radius));
+      const Place way = reflectance_.along(places_[n], place);
+      sum += texels_.areas[s] * (reflectance_.betweenTexels(distance, texels_.sides[s], bands_[s], way) -
+                                 reflectance_.smoothed(distance, radius, way));
     }
     return sum;
   }
@@ -286,16 +291,17 @@ class Blender {
         given[knot] += texels_.areas[i] * result_.densities[i][c];
       }
     }
-    missing_ = throughput_.respondSmoothly(power);
-    const std::vector<Rgb> response = throughput_.respond(power);
     index_ = std::make_unique<PointIndex>(places_);
-    const float outer = throughput_.outerSmoothing();
-    rough_radius_ = std::min(kRoughRadius * static_cast<float>(knots_.meanSpacing()), outer);
+    const float outer = throughput_.outerSmoothing(), spacing = static_cast<float>(knots_.meanSpacing());
+    rough_radius_ = std::min(kRoughRadius * spacing, outer);
+    const float exact_radius = std::min(kExactRadius * spacing, outer);
+    missing_ = throughput_.respondSmoothly(power, exact_radius);
+    const std::vector<Rgb> response = throughput_.respond(power);
     tbb::parallel_for(std::size_t{0}, knots_.count(), [&](std::size_t k) {
       std::vector<std::uint32_t> near;
-      index_->within(knots_.positions[k], static_cast<double>(outer), near);
-      missing_[k] +=
-          roughPart(knots_.positions[k], near, outer) - roughPart(knots_.positions[k], near, rough_radius_);
+      index_->within(knots_.positions[k], static_cast<double>(exact_radius), near);
+      missing_[k] += roughPart(knots_.positions[k], near, exact_radius) -
+                     roughPart(knots_.positions[k], near, rough_radius_);
       missing_[k] -= response[k] + given[k];
     });
   }
@@ -345,7 +351,9 @@ class Blender {
         const auto s = static_cast<std::size_t>(found);
         const float distance = (texels_.positions[s] - texels_.positions[receiver]).norm();
         const Rgb value = texels_.cells[s] *
-                          reflectance_.betweenTexels(distance, texels_.sides[receiver], bands_[receiver]);
+                          reflectance_.betweenTexels(
+                              distance, texels_.sides[receiver], bands_[receiver],
+                              reflectance_.along(texels_.positions[s], texels_.positions[receiver]));
         exact[static_cast<std::size_t>(i)] = value;
         exact_sum += value;
         Rgb by_weights = Rgb::Zero();

@@ -68,9 +68,16 @@ Made makeTranslucency(const formats::TriangleMesh& mesh, const std::filesystem::
   stage::Stopwatch watch(figures.seconds);
   const Knots knots = knotsOf(mesh);
   const Texels texels = texelsOf(maps, mesh, knots);
-  const auto colors = reflectanceOf(medium);
+  const transport::MediumField field = [&] {
+    try {
+      return transport::MediumField(medium, mesh.positions);
+    } catch (const std::invalid_argument& problem) {
+      throw badInput({maps.string(), "", ""}, std::string("the medium of its mesh: ") + problem.what(), "",
+                     "wider veins, or none");
+    }
+  }();
   const auto [least, greatest] = std::minmax_element(texels.sides.begin(), texels.sides.end());
-  const Reflectance reflectance(colors, diagonalOf(knots) * 1.001, static_cast<double>(*least),
+  const Reflectance reflectance(field, diagonalOf(knots) * 1.001, static_cast<double>(*least),
                                 static_cast<double>(*greatest));
 
   watch.lap("prepare");
@@ -130,7 +137,8 @@ Made makeTranslucency(const formats::TriangleMesh& mesh, const std::filesystem::
   figures.texels_per_spacing = knots.meanSpacing() / side;
   double path = 1e300;
   for (std::size_t c = 0; c < 3; ++c)
-    path = std::min(path, 1 / ((medium.reduced_scattering[c] + medium.absorption[c]) * medium.unit_mm));
+    for (const double share : {0.0, 1.0})
+      path = std::min(path, 1 / field.coefficients(c, share).extinction());
   figures.mean_free_path_texels = path / side;
   figures.near_dropped_share = throughput.figures().dropped_share;
   figures.apart_pairs = throughput.figures().apart_pairs;

@@ -28,13 +28,12 @@ std::array<double, 3> derivativesOf(const DiffuseReflectance& color, double dist
   return {at, (after - before) / (2 * h), (after - 2 * at + before) / (h * h)};
 }
 
-// Coefficient `k` of the polynomial in the squared distance.
-double smoothCoefficient(const DiffuseReflectance& color, double radius, int k) {
+// Coefficients of the polynomial in the squared distance.
+std::array<double, 3> smoothCoefficients(const DiffuseReflectance& color, double radius) {
   const auto [value, slope, curvature] = derivativesOf(color, radius);
   const double quadratic = (curvature - slope / radius) / (8 * radius * radius);
   const double linear = (slope / radius - 4 * quadratic * radius * radius) / 2;
-  if (k == 2) return quadratic;
-  return k == 1 ? linear : value - radius * radius * (linear + quadratic * radius * radius);
+  return {value - radius * radius * (linear + quadratic * radius * radius), linear, quadratic};
 }
 
 }  // namespace
@@ -47,21 +46,23 @@ std::array<DiffuseReflectance, 3> reflectanceOf(const formats::Medium& medium) {
   return {color(0), color(1), color(2)};
 }
 
-Reflectance::Reflectance(const std::array<DiffuseReflectance, 3>& colors, double farthest, double least_texel,
+Reflectance::Reflectance(const transport::MediumField& field, double farthest, double least_texel,
                          double greatest_texel)
-    : colors_(colors), farthest_(farthest), least_texel_(least_texel) {
+    : field_(field), farthest_(farthest), least_texel_(least_texel) {
+  const auto media = field.reflectances();
   const double scale = least_texel / 4, least = scale / 64;
-  exact_ = RadialTable(scale, farthest, [&](double r) {
-    return eachColor(colors, [&](const DiffuseReflectance& color) { return color(std::max(r, least)); });
+  exact_ = RadialTable<Rgb>(scale, farthest, media.size(), [&](double r, std::size_t medium) {
+    return eachColor(media[medium],
+                     [&](const DiffuseReflectance& color) { return color(std::max(r, least)); });
   });
-  const auto coefficients = [&](int k) {
-    return RadialTable(scale, farthest, [&](double r) {
-      return eachColor(colors, [&](const DiffuseReflectance& color) {
-        return smoothCoefficient(color, std::max(r, scale), k);
-      });
-    });
-  };
-  constant_ = coefficients(0), linear_ = coefficients(1), quadratic_ = coefficients(2);
+  inner_ = RadialTable<Polynomial>(scale, farthest, media.size(), [&](double r, std::size_t medium) {
+    Polynomial polynomial;
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const auto powers = smoothCoefficients(media[medium][static_cast<std::size_t>(c)], std::max(r, scale));
+      for (Eigen::Index k = 0; k < 3; ++k) polynomial(c, k) = static_cast<float>(powers[static_cast<std::size_t>(k)]);
+    }
+    return polynomial;
+  });
 
   const double range = std::log(greatest_texel / least_texel);
   const int count = std::clamp(static_cast<int>(std::ceil(range / std::log(kBandRatio))) + 1, 2, kMostBands);
@@ -71,11 +72,19 @@ Reflectance::Reflectance(const std::array<DiffuseReflectance, 3>& colors, double
     const double side = least_texel * std::exp(log_step_ * static_cast<double>(b));
     for (int i = 0; i < kBandNodes; ++i) {
       const double sides = static_cast<double>(kBandReach) * i / (kBandNodes - 1);
-      bands_[b].push_back(eachColor(colors, [&](const DiffuseReflectance& color) {
-        return side * side * color.bandLimited(sides * side, side);
-      }));
+      for (const auto& colors : media)
+        bands_[b].push_back(eachColor(colors, [&](const DiffuseReflectance& color) {
+          return side * side * color.bandLimited(sides * side, side);
+        }));
     }
   });
+}
+
+float Reflectance::greatest(float distance) const {
+  float most = 0;
+  for (std::uint32_t m = 0; m < field_.reflectances().size(); ++m)
+    most = std::max(most, exact(distance, {m, 0}).maxCoeff());
+  return most;
 }
 
 std::uint32_t Reflectance::bandOf(float side) const {
@@ -83,26 +92,28 @@ std::uint32_t Reflectance::bandOf(float side) const {
   return static_cast<std::uint32_t>(std::clamp(std::lround(place), 0L, static_cast<long>(bands_.size()) - 1));
 }
 
-Rgb Reflectance::betweenTexels(float distance, float side, std::uint32_t band) const {
+Rgb Reflectance::betweenTexels(float distance, float side, std::uint32_t band, const Place& place) const {
   const float sides = distance / side;
-  if (sides >= kBandReach) return exact_(distance);
+  if (sides >= kBandReach) return exact_(distance, place);
   const float node = sides / kBandReach * (kBandNodes - 1);
   const auto first = static_cast<std::size_t>(std::min(static_cast<int>(node), kBandNodes - 2));
-  const std::vector<Rgb>& values = bands_[band];
-  return (values[first] + (node - static_cast<float>(first)) * (values[first + 1] - values[first])) /
-         (side * side);
+  const std::size_t media = field_.reflectances().size();
+  const Rgb* from = &bands_[band][first * media + place.node];
+  return RadialTable<Rgb>::between(from, from + media, node - static_cast<float>(first), place) / (side * side);
 }
 
 double Reflectance::reach(double share) const {
   double farthest = 0;
-  for (const DiffuseReflectance& color : colors_) farthest = std::max(farthest, color.radiusFor(share));
+  for (const auto& colors : field_.reflectances())
+    for (const DiffuseReflectance& color : colors) farthest = std::max(farthest, color.radiusFor(share));
   return farthest;
 }
 
 double Reflectance::shareBeyond(double radius) const {
   double most = 0;
-  for (const DiffuseReflectance& color : colors_)
-    most = std::max(most, color.total() - color.enclosed(radius));
+  for (const auto& colors : field_.reflectances())
+    for (const DiffuseReflectance& color : colors)
+      most = std::max(most, color.total() - color.enclosed(radius));
   return most;
 }
 

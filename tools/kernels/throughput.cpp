@@ -23,6 +23,7 @@ constexpr double kFarSmoothing = 2.2;
 constexpr float kLeastFall = 0.25F;        // of R_d from there to a far knot's spacing farther
 constexpr float kTouching = 0.2F;          // of the radius within which R_d is smoothed
 constexpr std::size_t kFewKnots = 1500;    // whose pairs are fewer than what far knots cost
+constexpr std::size_t kFewWays = 100;      // knots from which some ways are looked at
 constexpr std::size_t kFarNeighbors = 16;  // of a quadratic fit, which has 10 terms in space and 6 on a plane
 constexpr double kMostWeight = 4;          // Σ |weights| of a fit that is still one
 
@@ -76,20 +77,34 @@ Throughput::Throughput(const Knots& knots, const Reflectance& reflectance, const
     : knots_(knots), reflectance_(reflectance), options_(options) {
   for (const float spacing : knots.spacings) smoothing_.push_back(kSmoothing * spacing);
   chooseFarKnots();
-  makeNear();
   if (has_far_) makeSpread(), makeFar();
+  makeNear();
 }
 
-namespace {
-
-// Whether points `cell` apart can follow what is smooth over a radius.
-bool isFollowed(const Reflectance& reflectance, double radius, double cell) {
-  const Rgb at = reflectance.exact(static_cast<float>(radius)),
-            beyond = reflectance.exact(static_cast<float>(radius + cell));
+// Whether points `cell` apart can follow what is smooth over a radius. Of a medium that varies, what passes along ways of that length that
+// there are, all together.
+bool Throughput::isFollowed(double radius, double cell) const {
+  Rgb at = Rgb::Zero(), beyond = Rgb::Zero();
+  const auto look = [&](const Place& place) {
+    at += reflectance_.exact(static_cast<float>(radius), place);
+    beyond += reflectance_.exact(static_cast<float>(radius + cell), place);
+  };
+  if (reflectance_.isUniform()) {
+    look(Place());
+  } else {
+    const PointIndex index(knots_.positions);
+    std::vector<std::uint32_t> within;
+    for (std::size_t k = 0; k < kFewWays; ++k) {
+      const Vec3& from = knots_.positions[k * knots_.count() / kFewWays];
+      index.within(from, radius, within);
+      std::size_t seen = 0;
+      for (const std::uint32_t other : within)
+        if ((knots_.positions[other] - from).norm() > 0.8 * radius && seen++ % 8 == 0)
+          look(reflectance_.along(from, knots_.positions[other]));
+    }
+  }
   return (beyond >= kLeastFall * at).all();
 }
-
-}  // namespace
 
 // One of each cell of a grid: that nearest to the middle of those in it. Cells as large as R_d allows.
 void Throughput::chooseFarKnots() {
@@ -99,7 +114,7 @@ void Throughput::chooseFarKnots() {
       reflectance_.reach(1e-3) >= 1.5 * kFarSmoothing * cell)
     for (const double spacings : kFarSpacings) {
       cell = spacings * knots_.meanSpacing();
-      has_far_ = isFollowed(reflectance_, kFarSmoothing * cell, cell);
+      has_far_ = isFollowed(kFarSmoothing * cell, cell);
       if (!has_far_) continue;
       outer_smoothing_ = static_cast<float>(kFarSmoothing * cell);
       break;
@@ -135,7 +150,8 @@ Rgb Throughput::apart(std::size_t a, std::size_t b) const {
       Vec3 middle = knots_.positions[to] / 4;
       for (const std::uint32_t k : knots_.triangles[t]) middle += knots_.positions[k] / 4;
       sum += static_cast<float>(knots_.triangle_areas[t]) *
-             reflectance_.exact(static_cast<float>((middle - knots_.positions[from]).norm()));
+             reflectance_.exact(static_cast<float>((middle - knots_.positions[from]).norm()),
+                                reflectance_.along(middle, knots_.positions[from]));
       area += knots_.triangle_areas[t];
     }
     return area > 0 ? Rgb(sum / static_cast<float>(area)) : Rgb(Rgb::Zero());
@@ -151,12 +167,35 @@ double Throughput::hatArea() const {
 // Beyond it every factor is below the threshold.
 double Throughput::reachOfFactors(double hat_area) const {
   const auto isFactor = [&](double distance) {
-    return static_cast<double>(reflectance_.exact(static_cast<float>(distance)).maxCoeff()) * hat_area >=
+    return static_cast<double>(reflectance_.greatest(static_cast<float>(distance))) * hat_area >=
            options_.threshold;
   };
   double reach = static_cast<double>(outer_smoothing_);
   while (isFactor(reach) && reach < reflectance_.farthest()) reach *= 1.1;
   return reach;
+}
+
+// What passes between a knot and each far knot, by way of the others around it; nothing of a uniform medium, where it is the smoothed R_d.
+// Of another, ways between far knots are not that between the knots.
+std::vector<Rgb> Throughput::byWayOfFar(std::size_t knot) const {
+  if (!has_far_ || reflectance_.isUniform()) return {};
+  std::vector<Rgb> sums(farCount(), Rgb::Zero());
+  for (std::size_t e = knot == 0 ? 0 : spread_.ends[knot - 1]; e < spread_.ends[knot]; ++e) {
+    const float* row = &far_.values[3 * farCount() * spread_.columns[e]];
+    for (std::size_t b = 0; b < sums.size(); ++b)
+      sums[b] += spread_.values[e] * Eigen::Map<const Rgb>(row + 3 * b);
+  }
+  return sums;
+}
+
+// What far knots give of what passes between it and another one.
+Rgb Throughput::givenByFar(const std::vector<Rgb>& by_way_of_far, std::size_t knot, float distance) const {
+  if (!has_far_) return Rgb::Zero();
+  if (by_way_of_far.empty()) return reflectance_.smoothed(distance, outer_smoothing_, Place());
+  Rgb sum = Rgb::Zero();
+  for (std::size_t e = knot == 0 ? 0 : spread_.ends[knot - 1]; e < spread_.ends[knot]; ++e)
+    sum += spread_.values[e] * by_way_of_far[spread_.columns[e]];
+  return sum;
 }
 
 void Throughput::makeNear() {
@@ -165,7 +204,7 @@ void Throughput::makeNear() {
   const double hat_area = hatArea();
   const double reach = has_far_ ? static_cast<double>(outer_smoothing_) : reachOfFactors(hat_area);
   // What lies beyond that is dropped, on a plane at most so much.
-  const double beyond = has_far_ ? 0 : reflectance_.shareBeyond(reach);
+  const double beyond = has_far_ || reach >= reflectance_.farthest() ? 0 : reflectance_.shareBeyond(reach);
   std::vector<std::uint32_t> sample;
   index.within(knots_.positions[count / 2], reach, sample);
   requireRoom(std::uint64_t{sample.size()} * count / 4);  // of one knot's; others may have some times as many
@@ -177,6 +216,7 @@ void Throughput::makeNear() {
     std::vector<std::uint32_t> near, along;
     index.within(knots_.positions[i], reach, near);
     alongSurface(knots_, i, 1.5 * static_cast<double>(smoothing_[i]), along);
+    const std::vector<Rgb> by_way_of_far = byWayOfFar(i);
     for (const std::uint32_t j : near) {
       const auto distance = static_cast<float>((knots_.positions[i] - knots_.positions[j]).norm());
       const float radius = (smoothing_[i] + smoothing_[j]) / 2;
@@ -184,7 +224,7 @@ void Throughput::makeNear() {
       Rgb value = is_apart ? apart(i, j) : between(i, j);
       apart_pairs[i] += is_apart;
       touches[i] |= is_apart && distance < kTouching * radius;
-      if (has_far_) value -= reflectance_.smoothed(distance, outer_smoothing_);
+      value -= givenByFar(by_way_of_far, j, distance);
       if (static_cast<double>(value.abs().maxCoeff()) * hat_area < options_.threshold && j != i) {
         dropped[i] += static_cast<double>(value.abs().maxCoeff()) * knots_.areas[j];
         continue;
@@ -254,9 +294,10 @@ void Throughput::makeFar() {
   Rows rows(far_positions_.size());
   tbb::parallel_for(std::size_t{0}, far_positions_.size(), [&](std::size_t a) {
     for (std::size_t b = 0; b < far_positions_.size(); ++b) {
-      const auto distance = static_cast<float>((far_positions_[a] - far_positions_[b]).norm());
+      const Vec3 &from = far_positions_[a], &to = far_positions_[b];
       rows.columns[a].push_back(static_cast<std::uint32_t>(b));
-      push(rows.values[a], reflectance_.smoothed(distance, outer_smoothing_));
+      push(rows.values[a], reflectance_.smoothed(static_cast<float>((from - to).norm()), outer_smoothing_,
+                                                 reflectance_.along(from, to)));
     }
   });
   far_ = std::move(rows).joined(3);
@@ -286,18 +327,25 @@ Matrix sharpeningOf(const Knots& knots) {
   return {knots.ring_ends, knots.rings, knots.sharpening, 1};
 }
 
-std::vector<Rgb> Throughput::respondSmoothly(const std::vector<Rgb>& power) const {
-  if (has_far_) return multiply(spread_, multiply(far_, multiplyTransposed(spread_, power, farCount())));
+std::vector<Rgb> Throughput::respondByFarKnots(const std::vector<Rgb>& power) const {
+  return multiply(spread_, multiply(far_, multiplyTransposed(spread_, power, farCount())));
+}
+
+std::vector<Rgb> Throughput::respondSmoothly(const std::vector<Rgb>& power, float radius) const {
   const PointIndex index(knots_.positions);
-  const double reach = reachOfFactors(hatArea());
-  std::vector<Rgb> response(knots_.count(), Rgb::Zero());
+  const double reach = has_far_ ? static_cast<double>(outer_smoothing_) : reachOfFactors(hatArea());
+  std::vector<Rgb> response =
+      has_far_ ? respondByFarKnots(power) : std::vector<Rgb>(knots_.count(), Rgb::Zero());
   tbb::parallel_for(std::size_t{0}, knots_.count(), [&](std::size_t i) {
     std::vector<std::uint32_t> near;
     index.within(knots_.positions[i], reach, near);
-    for (const std::uint32_t j : near)
-      response[i] += power[j] * reflectance_.smoothed(
-                                    static_cast<float>((knots_.positions[i] - knots_.positions[j]).norm()),
-                                    outer_smoothing_);
+    const std::vector<Rgb> by_way_of_far = byWayOfFar(i);
+    for (const std::uint32_t j : near) {
+      const Vec3 &to = knots_.positions[i], &from = knots_.positions[j];
+      const auto distance = static_cast<float>((to - from).norm());
+      response[i] += power[j] * (reflectance_.smoothed(distance, radius, reflectance_.along(to, from)) -
+                                 givenByFar(by_way_of_far, j, distance));
+    }
   });
   return response;
 }
@@ -307,7 +355,7 @@ std::vector<Rgb> Throughput::respond(const std::vector<Rgb>& power) const {
   const std::vector<Rgb> sharpened = multiplyTransposed(sharpening, power, knots_.count());
   std::vector<Rgb> response = multiply(near_, sharpened);
   if (has_far_) {
-    const std::vector<Rgb> from_afar = respondSmoothly(sharpened);
+    const std::vector<Rgb> from_afar = respondByFarKnots(sharpened);
     for (std::size_t i = 0; i < response.size(); ++i) response[i] += from_afar[i];
   }
   return multiply(sharpening, response);

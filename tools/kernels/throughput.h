@@ -43,15 +43,17 @@ class Throughput {
   float smoothing(std::size_t knot) const { return smoothing_[knot]; }
   // Between two knots that hang together along the surface, in 1/area.
   Rgb between(std::size_t a, std::size_t b) const {
-    const auto distance = static_cast<float>((knots_.positions[a] - knots_.positions[b]).norm());
-    return reflectance_.smoothed(distance, (smoothing_[a] + smoothing_[b]) / 2);
+    const Vec3 &from = knots_.positions[a], &to = knots_.positions[b];
+    return reflectance_.smoothed(static_cast<float>((from - to).norm()), (smoothing_[a] + smoothing_[b]) / 2,
+                                 reflectance_.along(from, to));
   }
   // Σ over knots of sharpened factors, hats and all: what g is for these e (formats/translucency.h), areas in the asset's unit.
   std::vector<Rgb> respond(const std::vector<Rgb>& power) const;
 
-  // Radius of what is smoother still, farther than that of any knot; and what it alone would be for these e, without sharpening.
+  // Radius of what is smoother still, farther than that of any knot; and what all knots would send for these e if R_d were smooth over
+  // `radius`, at most that one, everywhere; without sharpening.
   float outerSmoothing() const { return outer_smoothing_; }
-  std::vector<Rgb> respondSmoothly(const std::vector<Rgb>& power) const;
+  std::vector<Rgb> respondSmoothly(const std::vector<Rgb>& power, float radius) const;
 
   const Matrix& near() const { return near_; }
   const Matrix& spread() const { return spread_; }
@@ -61,6 +63,10 @@ class Throughput {
 
  private:
   void chooseFarKnots();
+  std::vector<Rgb> respondByFarKnots(const std::vector<Rgb>& power) const;
+  bool isFollowed(double radius, double cell) const;
+  std::vector<Rgb> byWayOfFar(std::size_t knot) const;
+  Rgb givenByFar(const std::vector<Rgb>& by_way_of_far, std::size_t knot, float distance) const;
   double hatArea() const;
   double reachOfFactors(double hat_area) const;
   void makeNear();

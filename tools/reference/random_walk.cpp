@@ -18,6 +18,7 @@ constexpr double kRouletteBelow = 0.25;  // of the weight that a walk begins wit
 // Of the farthest coordinate: many roundings in single precision, so that a ray that grazes a triangle it begins at begins before it, too;
 // and in double precision.
 constexpr double kSlack = 3e-5, kRounding = 1e-12;
+constexpr double kStep = 0.5;  // of a cell, along which a flight's coefficients are constant
 
 // SplitMix64.
 class RandomNumbers {
@@ -47,20 +48,20 @@ Eigen::Index drawnColor(const Rgb& weight, double number) {
   return target < weight[0] + weight[1] ? 1 : 2;
 }
 
-// What is left of each color's light after that way, against what is left of the one that is left most of, so that no way is too long.
-Rgb attenuated(const Rgb& extinction, double length) {
-  return (-(extinction - extinction.minCoeff()) * length).exp();
+// What is left of each color's light at these depths, against what is left of the one that is left most of, so that no way is too long.
+Rgb attenuated(const Rgb& depths) {
+  return (depths.minCoeff() - depths).exp();
 }
 
 }  // namespace
 
 RandomWalk::RandomWalk(const formats::Medium& medium, const formats::TriangleMesh& mesh,
-                       std::vector<std::uint8_t> of_medium, const transport::RayScene& rays)
+                       std::vector<std::uint8_t> of_medium, const transport::RayScene& rays,
+                       const Eigen::Isometry3d& object_from_mesh)
     : mesh_(mesh),
       rays_(rays),
       of_medium_(std::move(of_medium)),
-      scattering_(vec3(medium.reduced_scattering).array() * medium.unit_mm),
-      extinction_(scattering_ + vec3(medium.absorption).array() * medium.unit_mm),
+      field_(medium, mesh.positions, object_from_mesh),
       relative_ior_(medium.eta),
       diffuse_transmittance_(1 - 2 * transport::fresnelMoments(medium.eta).first),
       lowest_(Vec3::Constant(std::numeric_limits<double>::infinity())),
@@ -70,6 +71,47 @@ RandomWalk::RandomWalk(const formats::Medium& medium, const formats::TriangleMes
     highest_ = highest_.cwiseMax(vec3(position));
   }
   slack_ = kSlack * std::max(lowest_.cwiseAbs().maxCoeff(), highest_.cwiseAbs().maxCoeff());
+}
+
+Rgb RandomWalk::extinctionAt(const Vec3& position) const {
+  const double share = field_.shareAt(position);
+  return {field_.coefficients(0, share).extinction(), field_.coefficients(1, share).extinction(),
+          field_.coefficients(2, share).extinction()};
+}
+
+Rgb RandomWalk::scatteringAt(const Vec3& position) const {
+  const double share = field_.shareAt(position);
+  return {field_.coefficients(0, share).reduced_scattering, field_.coefficients(1, share).reduced_scattering,
+          field_.coefficients(2, share).reduced_scattering};
+}
+
+double RandomWalk::lengthOf(const Segment& segment, Eigen::Index color, double depth) const {
+  if (field_.isUniform()) return depth / extinctionAt(segment.origin)[color];
+  const double step = kStep * field_.cell();
+  // Beyond the mesh nothing is left to meet.
+  const double farthest = (highest_ - lowest_).norm() + step;
+  for (double length = 0; length < farthest; length += step) {
+    const double extinction = extinctionAt(segment.origin + (length + step / 2) * segment.direction)[color];
+    if (depth < extinction * step) return length + depth / extinction;
+    depth -= extinction * step;
+  }
+  return farthest;
+}
+
+// Of the step in which it ends: what it has met there, it scatters by, too.
+Vec3 RandomWalk::lastMiddle(const Segment& segment, double length) const {
+  const double step = kStep * field_.cell();
+  return segment.origin + (std::floor(length / step) + 0.5) * step * segment.direction;
+}
+
+Rgb RandomWalk::depthOf(const Segment& segment, double length) const {
+  if (field_.isUniform()) return extinctionAt(segment.origin) * length;
+  const double step = kStep * field_.cell();
+  Rgb depths = Rgb::Zero();
+  for (double from = 0; from < length; from += step)
+    depths +=
+        extinctionAt(segment.origin + (from + step / 2) * segment.direction) * std::min(step, length - from);
+  return depths;
 }
 
 Vec3 RandomWalk::cornerOf(std::uint32_t triangle, std::size_t corner) const {
@@ -157,10 +199,11 @@ std::optional<RandomWalk::Exit> RandomWalk::walk(const Start& start, const Vec3&
   const bool inside_out = windingAhead(segment, counts) < 0;
   for (int event = 0; event < kMostEvents; ++event) {
     const Eigen::Index color = drawnColor(weight, random.next());
-    segment.length = -std::log1p(-random.next()) / extinction_[color];
+    segment.length = lengthOf(segment, color, -std::log1p(-random.next()));
     const auto boundary = boundaryOn(segment, counts);
     const double length = boundary ? boundary->distance : segment.length, before = weight.sum();
-    const Rgb left = weight * attenuated(extinction_, length);
+    const Rgb left = weight * attenuated(depthOf(segment, length));
+    const Vec3 place = field_.isUniform() ? segment.origin : lastMiddle(segment, length);
     segment.origin += length * segment.direction;
     segment.least = 0;
 
@@ -169,7 +212,7 @@ std::optional<RandomWalk::Exit> RandomWalk::walk(const Start& start, const Vec3&
         ++counts.open_walks;
         return std::nullopt;
       }
-      weight = left * scattering_ * (before / (left * extinction_).sum());
+      weight = left * scatteringAt(place) * (before / (left * extinctionAt(place)).sum());
       const double mean = weight.sum() / 3;
       if (mean < kRouletteBelow) {
         if (random.next() * kRouletteBelow >= mean) return std::nullopt;

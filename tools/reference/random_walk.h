@@ -1,7 +1,8 @@
 // Light inside a translucent object as it is: walks of photons through the medium that the mesh encloses, from where light leaves it
 // towards the eye to where it came in. No diffusion, no half space, no straight distances: the truth that diffusion is held against.
 //
-// The medium is homogeneous; by the similarity relation it scatters isotropically with σs′ (van de Hulst 1980, section 14.1). Its boundary is smooth
+// Where the medium has veins, its coefficients are those of the place, taken as constant over half a cell of transport/medium_field.h on each
+// flight. By the similarity relation it scatters isotropically with σs′ (van de Hulst 1980, section 14.1). Its boundary is smooth
 // inside: Fresnel's reflectance, total beyond the critical angle, and Snell's law where the eye looks in. Light from outside goes in
 // diffusely: E · T(θ) of Fresnel's transmittance, spread inside as uniform light would be, radiance ∝ T(θ) T_inside(μ). That is
 // reciprocal, loses nothing, is exact under uniform light, and lets lights of any size, suns too, be sampled at the boundary, which no
@@ -17,6 +18,7 @@
 #include "formats/triangle_mesh.h"
 #include "tools/reference/distant_light_sampler.h"
 #include "tools/reference/trace_counts.h"
+#include "transport/medium_field.h"
 #include "transport/ray_scene.h"
 
 namespace bakelight::reference {
@@ -26,9 +28,10 @@ using transport::Vec3;
 class RandomWalk {
  public:
   // The medium fills the bodies that the mesh encloses, where they overlap once. Light passes through triangles of `of_medium` (1 a
-  // triangle; empty: all); others absorb what meets them from inside. `rays` are those of the mesh, and maybe more triangles after its own; both outlive this.
+  // triangle; empty: all); others absorb what meets them from inside. `rays` are those of the mesh, and maybe more triangles after its own; both outlive this. A medium that varies stays in the object, to which `object_from_mesh` turns the mesh back.
   RandomWalk(const formats::Medium& medium, const formats::TriangleMesh& mesh,
-             std::vector<std::uint8_t> of_medium, const transport::RayScene& rays);
+             std::vector<std::uint8_t> of_medium, const transport::RayScene& rays,
+             const Eigen::Isometry3d& object_from_mesh = Eigen::Isometry3d::Identity());
 
   double relativeIor() const { return relative_ior_; }
   // ∫ T(θ) cos θ dω ÷ π: what of uniform light enters.
@@ -74,13 +77,19 @@ class RandomWalk {
   // How many bodies the segment's line leaves more often than it enters them: the place is in so many; below 0 if they are inside out.
   int windingAhead(const Segment& segment, TraceCounts& counts) const;
   bool withinBounds(const Vec3& position) const;
+  // From its origin: how far light of a color goes until that optical depth, and what depth each color has after a length.
+  double lengthOf(const Segment& segment, Eigen::Index color, double depth) const;
+  Rgb depthOf(const Segment& segment, double length) const;
+  Vec3 lastMiddle(const Segment& segment, double length) const;
+  Rgb extinctionAt(const Vec3& position) const;
+  Rgb scatteringAt(const Vec3& position) const;
   Vec3 cornerOf(std::uint32_t triangle, std::size_t corner) const;
   Vec3 crossOf(std::uint32_t triangle) const;
 
   const formats::TriangleMesh& mesh_;
   const transport::RayScene& rays_;
   std::vector<std::uint8_t> of_medium_;
-  Rgb scattering_, extinction_;  // per unit of length
+  transport::MediumField field_;
   double relative_ior_, diffuse_transmittance_;
   Vec3 lowest_, highest_;  // of the mesh
   double slack_;           // how far behind segments rays begin

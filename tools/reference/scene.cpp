@@ -70,10 +70,19 @@ std::vector<std::uint32_t> materialOfVertices(const Surface& surface) {
   return of_vertex;
 }
 
+// What meshInWorld does, undone.
+Eigen::Isometry3d objectFromWorld(const formats::FrameSettings& frame,
+                                  const transport::BoundingSphere& bounds) {
+  return Eigen::Translation3d(bounds.center) *
+         Eigen::Isometry3d(transport::worldFromObject(frame).transpose()) *
+         Eigen::Translation3d(-bounds.center);
+}
+
 // `Transport` of each medium, by material; null where there is none.
 template <class Transport>
 std::vector<std::unique_ptr<const Transport>> transportIn(const Surface& surface, const TriangleMesh& mesh,
-                                                          const transport::RayScene& rays) {
+                                                          const transport::RayScene& rays,
+                                                          const Eigen::Isometry3d& object_from_world) {
   const std::vector<std::uint32_t>& of_triangle = surface.material.of_triangle;
   std::vector<std::unique_ptr<const Transport>> of_materials;
   for (std::size_t i = 0; i < surface.material.media.size(); ++i) {
@@ -84,7 +93,8 @@ std::vector<std::unique_ptr<const Transport>> transportIn(const Surface& surface
     for (const std::uint32_t material : of_triangle) of_medium.push_back(material == i ? 1 : 0);
     // A name that no face has any more.
     if (!of_medium.empty() && std::find(of_medium.begin(), of_medium.end(), 1) == of_medium.end()) continue;
-    of_materials.back() = std::make_unique<Transport>(*medium, mesh, std::move(of_medium), rays);
+    of_materials.back() =
+        std::make_unique<Transport>(*medium, mesh, std::move(of_medium), rays, object_from_world);
   }
   return of_materials;
 }
@@ -112,10 +122,10 @@ Scene::Scene(const Surface& surface, const formats::LightRig& rig, const formats
       emitter_rays_(emitters.mesh),
       offset_(transport::surfaceOffset(mesh_, surface.bias)),
       subsurfaces_(surface.translucency == Translucency::kDiffusion
-                       ? transportIn<Subsurface>(surface, mesh_, rays_)
+                       ? transportIn<Subsurface>(surface, mesh_, rays_, objectFromWorld(frame, bounds))
                        : decltype(subsurfaces_)()),
       random_walks_(surface.translucency == Translucency::kRandomWalk
-                        ? transportIn<RandomWalk>(surface, mesh_, rays_)
+                        ? transportIn<RandomWalk>(surface, mesh_, rays_, objectFromWorld(frame, bounds))
                         : decltype(random_walks_)()) {}
 
 Rgb Scene::albedoOf(std::uint32_t vertex) const {

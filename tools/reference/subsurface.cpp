@@ -36,20 +36,18 @@ double Subsurface::Profile::radiusOf(double share) const {
 }
 
 Subsurface::Subsurface(const formats::Medium& medium, const formats::TriangleMesh& mesh,
-                       std::vector<std::uint8_t> of_medium, const transport::RayScene& rays)
+                       std::vector<std::uint8_t> of_medium, const transport::RayScene& rays,
+                       const Eigen::Isometry3d& object_from_mesh)
     : mesh_(mesh),
       rays_(rays),
       of_medium_(std::move(of_medium)),
+      field_(medium, mesh.positions, object_from_mesh),
       relative_ior_(medium.eta),
       extent_(2 * transport::boundingSphere(mesh).radius) {
-  for (std::size_t c = 0; c < 3; ++c) {
-    const transport::DiffuseReflectance reflectance(
-        medium.model,
-        {medium.reduced_scattering[c] * medium.unit_mm, medium.absorption[c] * medium.unit_mm, medium.eta});
+  const auto add = [&](const transport::DiffuseReflectance& reflectance) {
     const double farthest = std::min(extent_, reflectance.radiusFor(kOutside)),
                  enclosed = reflectance.enclosed(farthest);
-    std::vector<double>& radii = profiles_[c].radii;
-    radii = {0};
+    std::vector<double> radii = {0};
     for (int share = 1; share < kShares; ++share) {
       double low = radii.back(), high = farthest;
       for (int step = 0; step < 60; ++step) {
@@ -59,8 +57,11 @@ Subsurface::Subsurface(const formats::Medium& medium, const formats::TriangleMes
       radii.push_back(std::max(high, std::nextafter(radii.back(), farthest)));
     }
     radii.push_back(farthest);
-    colors_.push_back(reflectance);
-  }
+    profiles_.push_back({std::move(radii)});
+  };
+  for (const auto& color : field_.reflectances().front()) add(color);
+  if (!field_.isUniform())
+    for (const auto& color : field_.reflectances().back()) add(color);
   double area = 0;
   cumulative_area_.push_back(0);
   for (std::size_t t = 0; t < mesh.triangleCount(); ++t) {
@@ -73,10 +74,12 @@ Subsurface::Subsurface(const formats::Medium& medium, const formats::TriangleMes
   }
 }
 
-Rgb Subsurface::reflectance(double distance) const {
+Rgb Subsurface::reflectance(const Vec3& from, const Vec3& to) const {
   // A distance of rounding is none that normalized diffusion could be asked at.
-  const double least = extent_ * 1e-9, r = std::max(distance, least);
-  return {colors_[0](r), colors_[1](r), colors_[2](r)};
+  const double least = extent_ * 1e-9, distance = std::max((to - from).norm(), least);
+  const transport::MediumField::Place way = field_.along(from, to);
+  return {field_.reflectance(0, distance, way), field_.reflectance(1, distance, way),
+          field_.reflectance(2, distance, way)};
 }
 
 Vec3 Subsurface::positionOf(const Hit& hit) const {
@@ -100,7 +103,8 @@ double Subsurface::density(const Vec3& from, const Eigen::Matrix3d& axes, const 
     const Vec3 along = axes.col(axis), offset = to - from;
     const double radius = (offset - along.dot(offset) * along).norm();
     double drawn = 0;
-    for (const Profile& profile : profiles_) drawn += profile.density(radius) / 3;
+    for (const Profile& profile : profiles_)
+      drawn += profile.density(radius) / static_cast<double>(profiles_.size());
     sum +=
         (1 - kAreaShare) * kAxisShares[static_cast<std::size_t>(axis)] * drawn * std::abs(along.dot(normal));
   }
@@ -124,8 +128,7 @@ std::optional<Subsurface::Entry> Subsurface::alongLine(const Vec3& position, con
     if (hit.triangle >= mesh_.triangleCount() || (!of_medium_.empty() && of_medium_[hit.triangle] == 0))
       continue;
     const Vec3 place = positionOf(hit);
-    const Rgb weight =
-        reflectance((place - position).norm()) / density(position, axes, place, normalOf(hit.triangle));
+    const Rgb weight = reflectance(position, place) / density(position, axes, place, normalOf(hit.triangle));
     const double power = weight.sum();
     if (!(power > 0)) continue;  // too far for any number
     total += power;
@@ -161,16 +164,16 @@ std::optional<Subsurface::Entry> Subsurface::sample(const Vec3& position, const 
     hit.u = static_cast<float>(root * (1 - point[1]));
     hit.v = static_cast<float>(root * point[1]);
     const Vec3 place = positionOf(hit);
-    return Entry{
-        hit, reflectance((place - position).norm()) / density(position, axes, place, normalOf(hit.triangle))};
+    return Entry{hit, reflectance(position, place) / density(position, axes, place, normalOf(hit.triangle))};
   }
   choice = (choice - kAreaShare) / (1 - kAreaShare);
   int axis = 0;
   while (axis < 2 && choice >= kAxisShares[static_cast<std::size_t>(axis)])
     choice -= kAxisShares[static_cast<std::size_t>(axis++)];
-  const auto color = std::min<std::size_t>(
-      static_cast<std::size_t>(3 * choice / kAxisShares[static_cast<std::size_t>(axis)]), 2);
-  const double radius = profiles_[color].radiusOf(point[0]), turn = 2 * kPi * point[1];
+  const auto drawn = std::min(static_cast<std::size_t>(static_cast<double>(profiles_.size()) * choice /
+                                                       kAxisShares[static_cast<std::size_t>(axis)]),
+                              profiles_.size() - 1);
+  const double radius = profiles_[drawn].radiusOf(point[0]), turn = 2 * kPi * point[1];
   const Vec3 across = axes.col((axis + 1) % 3), up = axes.col((axis + 2) % 3);
   return alongLine(position, axes, axis, position + radius * (std::cos(turn) * across + std::sin(turn) * up),
                    pick, rays);

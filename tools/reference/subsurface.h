@@ -11,7 +11,7 @@
 #include "formats/medium.h"
 #include "formats/triangle_mesh.h"
 #include "tools/reference/distant_light_sampler.h"
-#include "transport/diffusion.h"
+#include "transport/medium_field.h"
 #include "transport/ray_scene.h"
 
 namespace bakelight::reference {
@@ -21,9 +21,10 @@ using transport::Vec3;
 class Subsurface {
  public:
   // Light passes between the triangles of one medium only: those of `of_medium` (1 a triangle; empty: all). `rays` are those of
-  // the mesh, and maybe more triangles after its own; both outlive this.
+  // the mesh, and maybe more triangles after its own; both outlive this. A medium that varies stays in the object, to which `object_from_mesh` turns the mesh back.
   Subsurface(const formats::Medium& medium, const formats::TriangleMesh& mesh,
-             std::vector<std::uint8_t> of_medium, const transport::RayScene& rays);
+             std::vector<std::uint8_t> of_medium, const transport::RayScene& rays,
+             const Eigen::Isometry3d& object_from_mesh = Eigen::Isometry3d::Identity());
 
   double relativeIor() const { return relative_ior_; }
 
@@ -38,7 +39,8 @@ class Subsurface {
   std::optional<Entry> sample(const Vec3& position, const Vec3& normal, double choice,
                               const std::array<double, 2>& point, double pick, std::uint64_t& rays) const;
 
-  Rgb reflectance(double distance) const;  // R_d of each color, in 1/area
+  // R_d of each color between two points, in 1/area.
+  Rgb reflectance(const Vec3& from, const Vec3& to) const;
 
  private:
   // Distances by the share of R_d that they enclose.
@@ -56,8 +58,8 @@ class Subsurface {
   const formats::TriangleMesh& mesh_;
   const transport::RayScene& rays_;
   std::vector<std::uint8_t> of_medium_;
-  std::vector<transport::DiffuseReflectance> colors_;
-  std::array<Profile, 3> profiles_;
+  transport::MediumField field_;
+  std::vector<Profile> profiles_;        // of three colors: of the medium, and of its veins
   std::vector<double> cumulative_area_;  // of the triangles of the medium, others have none
   double relative_ior_, extent_;
 };

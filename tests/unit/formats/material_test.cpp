@@ -123,6 +123,17 @@ TEST(Material, MayBeTranslucent) {
       std::vector<std::string>{"a"});
   EXPECT_THAT(problemWith(R"({ "medium": { "name": "marbel" } })"),
               AllOf(HasSubstr("/medium/name"), HasSubstr("marble")));
+  EXPECT_EQ(
+      *parsed(
+           R"({ "medium": { "name": "cream", "veins": { "name": "apple", "spacing": 3, "width": 0.5, "seed": 7 } } })")
+           .base.medium->veins,
+      (Veins{{2.29F, 2.39F, 1.97F}, {.0030F, .0034F, .046F}, 3, 0.5, 7}));
+  EXPECT_THAT(
+      problemWith(
+          R"({ "medium": { "name": "cream", "veins": { "name": "apple", "spacing": 3, "width": 3 } } })"),
+      HasSubstr("/medium/veins/width"));
+  EXPECT_THAT(problemWith(R"({ "medium": { "name": "cream", "veins": { "name": "apple", "width": 3 } } })"),
+              HasSubstr("spacing"));
   EXPECT_THAT(problemWith(R"({ "medium": {} })"), HasSubstr("1/mm"));
   EXPECT_THAT(problemWith(R"({ "medium": { "name": "cream", "absorption": [1, 1, 1] } })"),
               HasSubstr("/medium/absorption"));
@@ -153,12 +164,14 @@ TEST(Material, OfSomeFacesHasAName) {
 }
 
 TEST(Material, ComesBackFromJsonAsItWas) {
-  for (const char* text :
-       {"{}", R"({ "albedo": [0.35, 0.12, 0.06] })",
-        R"({ "name": "a", "reflection": { "model": "ggx", "roughness": 0.123, "fresnel": true } })",
-        R"({ "reflection": { "model": "phong", "exponent": 12.5, "specular_color": [0.1, 0.2, 0.3] } })",
-        R"({ "medium": { "name": "skin1", "unit_mm": 3.5, "model": "normalized_diffusion" } })",
-        R"({ "material": {}, "materials": { "a/b": { "albedo": [0, 0, 0.7] } } })"}) {
+  for (
+      const char* text :
+      {"{}", R"({ "albedo": [0.35, 0.12, 0.06] })",
+       R"({ "name": "a", "reflection": { "model": "ggx", "roughness": 0.123, "fresnel": true } })",
+       R"({ "reflection": { "model": "phong", "exponent": 12.5, "specular_color": [0.1, 0.2, 0.3] } })",
+       R"({ "medium": { "name": "skin1", "unit_mm": 3.5, "model": "normalized_diffusion" } })",
+       R"({ "medium": { "name": "marble", "veins": { "name": "ketchup", "spacing": 0.5, "width": 0.1, "seed": 4 } } })",
+       R"({ "material": {}, "materials": { "a/b": { "albedo": [0, 0, 0.7] } } })"}) {
     const Materials before = parsed(text);
     const Json json = toJson(before);
     EXPECT_EQ(toJson(parsed(json.dump())), json) << text;

@@ -37,8 +37,8 @@ TEST(Throughput, FarKnotsGiveWhatPairsGive) {
   const Knots knots = knotsOf(tests::icosphere(4, 10));
   formats::Medium medium = tests::mediumOf(0.8, 0.999);
   medium.absorption = {1e-3F, 2e-3F, 5e-3F};
-  const auto colors = reflectanceOf(medium);
-  const Reflectance reflectance(colors, 21, 0.1, 0.1);
+  const transport::MediumField field(medium, {});
+  const Reflectance reflectance(field, 21, 0.1, 0.1);
   const Throughput pairs(knots, reflectance, {.threshold = 0, .hierarchical = false});
   const Throughput far(knots, reflectance, {.threshold = 0});
   ASSERT_GT(far.farCount(), 50U);
@@ -58,8 +58,8 @@ TEST(Throughput, FarKnotsGiveWhatPairsGive) {
 
 TEST(Throughput, DroppedFactorsAreTold) {
   const Knots knots = knotsOf(tests::icosphere(4, 10));
-  const auto colors = reflectanceOf(tests::mediumOf(0.8));
-  const Reflectance reflectance(colors, 21, 0.1, 0.1);
+  const transport::MediumField field(tests::mediumOf(0.8), {});
+  const Reflectance reflectance(field, 21, 0.1, 0.1);
   const Throughput all(knots, reflectance, {.threshold = 0, .hierarchical = false});
   const Throughput few(knots, reflectance, {.threshold = 1e-4, .hierarchical = false});
   EXPECT_EQ(all.figures().dropped_share, 0);

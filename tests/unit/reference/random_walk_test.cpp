@@ -299,6 +299,50 @@ TEST(RandomWalk, LosesNothingInAWhiteFurnace) {
     }
 }
 
+formats::Medium withVeins(formats::Medium medium, const Rgb& scattering, const Rgb& absorption,
+                          double spacing, double width) {
+  medium.veins = formats::Veins{};
+  for (int c = 0; c < 3; ++c) {
+    medium.veins->reduced_scattering[static_cast<std::size_t>(c)] = static_cast<float>(scattering[c]);
+    medium.veins->absorption[static_cast<std::size_t>(c)] = static_cast<float>(absorption[c]);
+  }
+  medium.veins->spacing = spacing, medium.veins->width = width;
+  return medium;
+}
+
+// Scattering that is another in veins bends ways, and loses nothing.
+TEST(RandomWalk, LosesNothingWithVeinsThatScatterMore) {
+  const TriangleMesh ball = flatShaded(icosphere(1));
+  const formats::Medium medium =
+      withVeins(mediumOf(Rgb::Ones(), Rgb(5, 2, 0.3), 1.3), Rgb(40, 1, 9), Rgb::Zero(), 0.5, 0.2);
+  const Scene scene = sceneOf(walked(ball, medium), uniformRig());
+  const Vec3 eye(2, 3, 4), direction = (Vec3(0.3, 0.7, -0.2) - eye).normalized();
+  const ShadingPoint point = seenFrom(scene, eye, direction);
+  const double reflected = transport::fresnelReflectance(-point.normal.dot(direction), 1.3);
+  expectMean(estimate(scene, {}, point, -direction, 2000), Rgb::Constant(1 - reflected), 0.02);
+}
+
+// Where next to nothing scatters, what comes through is what the veins on the way leave.
+TEST(RandomWalk, VeinsAbsorbAlongTheWay) {
+  const TriangleMesh mesh = block(4, 2);
+  const formats::Medium medium = withVeins(mediumOf(Rgb::Constant(1e-4), Rgb(0.1, 0.2, 0.4), 1),
+                                           Rgb::Constant(1e-5), Rgb(2, 0.5, 1), 0.5, 0.2);
+  const ThroughTheTop walks = walksInto(mesh, medium, Vec3::Zero(), 40000);
+  const transport::MediumField field(medium, mesh.positions);
+  const double size = transport::boundingSphere(mesh).radius;
+  const Vec3 place = Vec3(0.02, 0, 0.01) * size;
+  Rgb depths = Rgb::Zero();
+  constexpr int kPoints = 4000;
+  for (int k = 0; k < kPoints; ++k)
+    for (int c = 0; c < 3; ++c)
+      depths[c] += 2.0 / kPoints *
+                   field
+                       .coefficients(static_cast<std::size_t>(c),
+                                     field.shareAt(place - 2 * (k + 0.5) / kPoints * Vec3::UnitY()))
+                       .extinction();
+  walks.transmitted.expect((-depths).exp(), 0.03);
+}
+
 TEST(RandomWalk, StartsAtVerticesToo) {
   const Scene scene = sceneOf(walked(icosphere(2), mediumOf(Rgb::Ones(), Rgb(5, 10, 0.3), 1)), uniformRig());
   const ShadingPoint point = scene.pointAtVertex(7);

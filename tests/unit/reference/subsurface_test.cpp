@@ -105,14 +105,17 @@ TEST(Subsurface, PlacesOutOfReachDoNotHideNearOnes) {
   expectMean(means, Rgb::Constant(expected), 0.05);
 }
 
-// Through a ball, from all sides: a quadrature over its surface.
-TEST(Subsurface, ThroughABallIsTheIntegralOverItsSurface) {
+// Through a ball, from all sides: a quadrature over its surface; of one medium, and with veins.
+class ThroughABall : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Veins, ThroughABall, testing::Bool());
+
+TEST_P(ThroughABall, IsTheIntegralOverItsSurface) {
   const TriangleMesh ball = icosphere(3);
-  const formats::Medium medium{{1, 3, 10}, {0.01F, 0.1F, 0.2F}, 1.3, 1, {}};
+  formats::Medium medium{{1, 3, 10}, {0.01F, 0.1F, 0.2F}, 1.3, 1, {}};
+  if (GetParam()) medium.veins = formats::Veins{{4, 1, 2}, {1, 2, 0.5F}, 0.6, 0.2, 3};
+  const transport::MediumField field(medium, ball.positions);
   const Scene scene = sceneOf(translucent(icosphere(3), medium), uniformRig());
   const ShadingPoint point = scene.pointAtVertex(7);
-  const std::vector<transport::DiffuseReflectance> colors = {
-      reflectanceOf(medium, 0), reflectanceOf(medium, 1), reflectanceOf(medium, 2)};
   Rgb integral = Rgb::Zero();
   constexpr int kParts = 6;
   for (const auto& [i, j, k] : ball.triangles) {
@@ -125,7 +128,8 @@ TEST(Subsurface, ThroughABallIsTheIntegralOverItsSurface) {
           const Vec3 place = a + (b - a) * ((s + third) / kParts) + (c - a) * ((t + third) / kParts);
           for (int color = 0; color < 3; ++color)
             integral[color] +=
-                area * colors[static_cast<std::size_t>(color)]((place - point.position).norm());
+                area * field.reflectance(static_cast<std::size_t>(color), (place - point.position).norm(),
+                                         field.along(point.position, place));
         }
   }
   const auto means = estimate(scene, {.transport = Transport::kShadowed}, point, point.normal, 600);
