@@ -1,10 +1,11 @@
 // A light rig: everything that shines on an object, as a small JSON file (docs/FORMATS.md). Distant lights
 // are seen alike from everywhere; emitters are bodies in the object's space, which the near-field runtime
-// renders.
+// renders; punctual lights are points in the object's space that cast sharp shadows.
 #pragma once
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -65,14 +66,40 @@ struct Emitter {
   Motion motion;
 };
 
+// A point that shines (as in glTF's KHR_lights_punctual).
+struct PunctualLight {
+  enum class Type {
+    kPoint,  // "point": alike in all directions
+    kSpot,   // "spot": a cone with a soft edge
+    kSlide   // "slide": a point light behind a picture, as a slide projector is
+  } type = Type::kPoint;
+  Float3 position = {0, 0, 0};
+  Float3 intensity = {1, 1,
+                      1};  // radiant intensity: irradiance at a distance of 1 of the rig's units of length
+  Float3 direction = {0, 0, -1};  // spot, slide: where it shines
+  // Spot: within `inner` all of it, from there to `outer` less and less, beyond nothing; 0 ≤ inner < outer ≤ 90.
+  double inner_half_angle_deg = 0, outer_half_angle_deg = 45;
+  Float3 up = {
+      0, 1, 0};  // slide: where the picture's upper edge is, as far as it is at right angles to `direction`
+  double field_of_view_deg = 30;  // slide: from lower to upper edge
+  // Slide: R, G, B ≥ 0, of square pixels of even light, rows from the top. Its middle is in `direction`, the right of the picture to
+  // the right of one who looks there. A pixel multiplies the intensity of the directions that pass it, beyond the edges it is dark.
+  std::filesystem::path path;
+  std::shared_ptr<const Image> image;
+  Motion motion;
+};
+
 struct LightRig {
   std::vector<DistantLight> distant;
   std::vector<Emitter> emitters;
-  // Lengths of emitters are in units of the object's bounding-sphere radius, from its centre, if this holds
+  std::vector<PunctualLight> punctual;
+  // Lengths of emitters and punctual lights are in units of the object's bounding-sphere radius, from its centre, if this holds
   // ("units": "object"); else in the asset's units ("units": "world").
   bool object_units = true;
   // 0 none … : strength of the window against ringing (transport/windowing.h); negative: just enough.
   double windowing = 0;
+
+  bool empty() const { return distant.empty() && emitters.empty() && punctual.empty(); }
 };
 
 }  // namespace bakelight::formats

@@ -169,6 +169,62 @@ Emitter readEmitter(const JsonReader& object) {
   return emitter;
 }
 
+constexpr double kLeastSine = 1e-3;  // of the angle between a slide's direction and what is up there
+
+Float3 cross(const Float3& a, const Float3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+double lengthOf(const Float3& v) {
+  return std::hypot(static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2]));
+}
+
+void readRequiredDirection(const JsonReader& object, Float3& value) {
+  object.at("direction", "where the light shines: three numbers, not all zero");
+  readDirection(object, "direction", value);
+}
+
+void readSpot(const JsonReader& object, PunctualLight& light) {
+  readRequiredDirection(object, light.direction);
+  object.read("outer_half_angle_deg", light.outer_half_angle_deg, {0.01, 90});
+  object.read("inner_half_angle_deg", light.inner_half_angle_deg, {0, 90});
+  if (light.inner_half_angle_deg >= light.outer_half_angle_deg)
+    throw badInput(object.placeOf("inner_half_angle_deg"), "it is not less than outer_half_angle_deg",
+                   "0 or more, and less than " + Json(light.outer_half_angle_deg).dump());
+}
+
+void readSlide(const JsonReader& object, PunctualLight& light) {
+  readRequiredDirection(object, light.direction);
+  readDirection(object, "up", light.up);
+  if (lengthOf(cross(light.direction, light.up)) <
+      kLeastSine * lengthOf(light.direction) * lengthOf(light.up))
+    throw badInput(object.placeOf("up"), "it lies along the direction in which the slide shines",
+                   "another direction", "\"up\": [0, 0, 1]");
+  object.read("field_of_view_deg", light.field_of_view_deg, {0.01, 170});
+  light.path = readPath(object, "image", "a picture");
+  Image image = readColorPicture(light.path, PictureUse::kReflectance).image;
+  if (std::any_of(image.values.begin(), image.values.end(), [](float value) { return value < 0; }))
+    throw badInput(object.placeOf("image"), light.path.string() + " has values below 0",
+                   "0 or more: shares of light");
+  light.image = std::make_shared<const Image>(std::move(image));
+}
+
+constexpr Word<PunctualLight::Type> kPunctualLights[] = {{"point", PunctualLight::Type::kPoint},
+                                                         {"spot", PunctualLight::Type::kSpot},
+                                                         {"slide", PunctualLight::Type::kSlide}};
+
+PunctualLight readPunctual(const JsonReader& object) {
+  PunctualLight light;
+  light.type = object.choice("type", kPunctualLights);
+  light.position = object.at("position", "where it is: three numbers").float3(kPosition);
+  object.read("intensity", light.intensity, kRadiance);
+  if (light.type == PunctualLight::Type::kSpot) readSpot(object, light);
+  if (light.type == PunctualLight::Type::kSlide) readSlide(object, light);
+  if (const auto motion = object.find("motion")) light.motion = readMotion(*motion);
+  object.refuseOthers();
+  return light;
+}
+
 double readWindowing(const JsonReader& object) {
   const auto windowing = object.find("windowing");
   if (!windowing) return 0;
@@ -191,9 +247,10 @@ LightRig readLightRig(const fs::path& path) {
   rig.windowing = readWindowing(object);
   for (const JsonReader& light : object.items("lights")) rig.distant.push_back(readDistant(light));
   for (const JsonReader& emitter : object.items("emitters")) rig.emitters.push_back(readEmitter(emitter));
+  for (const JsonReader& light : object.items("punctual")) rig.punctual.push_back(readPunctual(light));
   object.refuseOthers();
-  if (rig.distant.empty() && rig.emitters.empty())
-    throw object.error("there is no light in it", "\"lights\", \"emitters\" or both",
+  if (rig.empty())
+    throw object.error("there is no light in it", "\"lights\", \"emitters\", \"punctual\" or several",
                        "{\"lights\": [{\"type\": \"disk\"}]}");
   return rig;
 }

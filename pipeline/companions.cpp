@@ -74,6 +74,7 @@ std::vector<fs::path> rigCompanions(const fs::path& rig, const Disk& disk) {
   std::set<std::string> names;
   collect(document, "lights", "image", names);
   collect(document, "emitters", "mesh", names);
+  collect(document, "punctual", "image", names);
   std::vector<fs::path> files;
   for (const std::string& name : names) files.push_back(rig.parent_path() / name);
   return files;

@@ -109,10 +109,18 @@ formats::TriangleMesh shapeOf(const formats::Emitter& emitter) {
   return scaledMesh(emitter);
 }
 
-// From the emitter's own space to the rig's, in the rig's unit of length.
-Eigen::Isometry3d rigFromEmitter(const formats::Emitter& emitter, double time_s) {
-  const formats::Motion& motion = emitter.motion;
-  const Vec3 start = vec3(emitter.position);
+void append(EmitterMesh& whole, const formats::TriangleMesh& part, const Float3& radiance) {
+  const auto base = static_cast<std::uint32_t>(whole.mesh.vertexCount());
+  whole.mesh.positions.insert(whole.mesh.positions.end(), part.positions.begin(), part.positions.end());
+  whole.mesh.normals.insert(whole.mesh.normals.end(), part.normals.begin(), part.normals.end());
+  for (const auto& [a, b, c] : part.triangles) whole.mesh.triangles.push_back({base + a, base + b, base + c});
+  whole.radiance.resize(whole.mesh.vertexCount(), radiance);
+}
+
+}  // namespace
+
+Eigen::Isometry3d rigFromBody(const Float3& position, const formats::Motion& motion, double time_s) {
+  const Vec3 start = vec3(position);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   // Whole periods are taken off before anything rounds.
   const double phase_rad = 2 * std::numbers::pi * std::fmod(time_s / motion.period_s, 1.0);
@@ -128,22 +136,12 @@ Eigen::Isometry3d rigFromEmitter(const formats::Emitter& emitter, double time_s)
   return pose;
 }
 
-void append(EmitterMesh& whole, const formats::TriangleMesh& part, const Float3& radiance) {
-  const auto base = static_cast<std::uint32_t>(whole.mesh.vertexCount());
-  whole.mesh.positions.insert(whole.mesh.positions.end(), part.positions.begin(), part.positions.end());
-  whole.mesh.normals.insert(whole.mesh.normals.end(), part.normals.begin(), part.normals.end());
-  for (const auto& [a, b, c] : part.triangles) whole.mesh.triangles.push_back({base + a, base + b, base + c});
-  whole.radiance.resize(whole.mesh.vertexCount(), radiance);
-}
-
-}  // namespace
-
 EmitterMesh emitterMesh(const formats::LightRig& rig, const BoundingSphere& object, double time_s) {
   const double unit = rig.object_units ? object.radius : 1;
   const Vec3 origin = rig.object_units ? object.center : Vec3::Zero();
   EmitterMesh whole;
   for (const formats::Emitter& emitter : rig.emitters) {
-    const Eigen::Isometry3d pose = rigFromEmitter(emitter, time_s);
+    const Eigen::Isometry3d pose = rigFromBody(emitter.position, emitter.motion, time_s);
     formats::TriangleMesh part = shapeOf(emitter);
     for (Float3& position : part.positions) position = float3(origin + unit * (pose * vec3(position)));
     for (Float3& normal : part.normals) normal = float3(pose.linear() * vec3(normal));

@@ -26,6 +26,9 @@ struct RigLight {
 // Throws Error(kBadInput) for light that is not finite.
 RigLight distantLight(const formats::LightRig& rig, int order);
 
+// Where what starts at `position` is at `time_s`: from its own space to the rig's, in the rig's unit of length.
+Eigen::Isometry3d rigFromBody(const Float3& position, const formats::Motion& motion, double time_s);
+
 // Emitters as one mesh of flat radiance, placed at `time_s`; in object space. Normals are filled in. Moving
 // emitters are rigid: an orbit turns them along. A quad's width runs along +Y × normal (+X where that
 // vanishes). A sphere is an icosphere of 1,280 triangles with the area of the ideal sphere; its surface stays

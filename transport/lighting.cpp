@@ -105,7 +105,7 @@ Lighting defaultLighting(int order, double windowing) {
 namespace {
 
 bool isPlainEnvironment(const formats::LightRig& rig) {
-  if (rig.distant.size() != 1 || !rig.emitters.empty()) return false;
+  if (rig.distant.size() != 1 || !rig.emitters.empty() || !rig.punctual.empty()) return false;
   const auto* environment = std::get_if<formats::EnvironmentLight>(&rig.distant.front());
   return environment != nullptr && environment->yaw_deg == 0 && environment->intensity == 1 &&
          environment->image.width == 2 * environment->image.height;
@@ -114,7 +114,7 @@ bool isPlainEnvironment(const formats::LightRig& rig) {
 }  // namespace
 
 Lighting lightingFor(formats::LightRig rig, int order, const std::string& file) {
-  if (rig.distant.empty() && rig.emitters.empty()) return defaultLighting(order, rig.windowing);
+  if (rig.empty()) return defaultLighting(order, rig.windowing);
   if (!isPlainEnvironment(rig)) return lightingFromRig(std::move(rig), order, file);
   const auto& environment = std::get<formats::EnvironmentLight>(rig.distant.front());
   return lightingFromImage(environment.image, order, environment.path.string(), rig.windowing);

@@ -16,7 +16,7 @@ struct Lighting {
       sources;               // what `distant` stands for, for those who take it in other forms
   double window = 0;         // strength of the window against ringing that was used
   double moved_energy = 0;   // what it took away (transport/windowing.h)
-  formats::LightRig near;    // emitters only
+  formats::LightRig near;    // emitters and punctual lights only
   int cube_resolution = 64;  // texels along an edge of the cube map that they are drawn into
 };
 

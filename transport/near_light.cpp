@@ -1,11 +1,13 @@
 #include "transport/near_light.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "transport/camera.h"
 #include "transport/cube_light.h"
 #include "transport/cube_map.h"
 #include "transport/light_rig.h"
+#include "transport/ray_scene.h"
 #include "transport/sh.h"
 
 namespace bakelight::transport {
@@ -36,6 +38,22 @@ ShLight nearLight(const formats::TriangleMesh& mesh, const LightNeeds& needs, co
       "emitters");
 }
 
+std::vector<PlacedPunctualLight> punctualLightsOn(const formats::TriangleMesh& mesh,
+                                                  const formats::LightRig& near, double time_s,
+                                                  const Eigen::Matrix3d& world_from_object) {
+  const BoundingSphere bounds = boundingSphere(mesh);
+  std::vector<PlacedPunctualLight> lights = placedPunctualLights(near, bounds, time_s);
+  turnAbout(bounds.center, world_from_object.transpose(), lights);
+  return lights;
+}
+
+Occlusion shadowsOf(const formats::TriangleMesh& mesh) {
+  return [rays = std::make_shared<const RayScene>(mesh)](const Vec3& origin, const Vec3& direction,
+                                                         double distance) {
+    return rays->occluded(origin, direction, static_cast<float>(distance));
+  };
+}
+
 std::vector<Float3> cubeLightOn(const formats::TriangleMesh& mesh, const LightNeeds& needs,
                                 const Lighting& lighting, const Eigen::Matrix3d& object_from_light,
                                 const Eigen::Matrix3d& world_from_object, double time_s) {
@@ -48,10 +66,21 @@ std::vector<Float3> cubeLightOn(const formats::TriangleMesh& mesh, const LightNe
   return radiance;
 }
 
+ShLight exposureLight(const formats::TriangleMesh& mesh, const LightNeeds& needs, const Lighting& lighting) {
+  ShLight light = lighting.distant;
+  const ShLight near = nearLight(mesh, needs, lighting, 0, Eigen::Matrix3d::Identity());
+  if (!near.empty()) light = sum(light, near);
+  return withMeanLight(std::move(light), placedPunctualLights(lighting.near, boundingSphere(mesh), 0),
+                       boundingSphere(mesh).center);
+}
+
 void lightShading(PackShading& shading, const formats::TriangleMesh& mesh, const Lighting& lighting,
                   const Eigen::Matrix3d& object_from_light, const Eigen::Matrix3d& world_from_object,
                   double time_s) {
   const LightNeeds needs = shading.needs();
+  const std::vector<PlacedPunctualLight> punctual =
+      punctualLightsOn(mesh, lighting.near, time_s, world_from_object);
+  shading.setPunctualLights(punctual, punctual.empty() ? Occlusion() : shadowsOf(mesh));
   if (needs.cube_side > 0)
     return shading.setCubeLight(
         cubeLightOn(mesh, needs, lighting, object_from_light, world_from_object, time_s));

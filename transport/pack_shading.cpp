@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "formats/error.h"
 #include "transport/all_frequency_shading.h"
 #include "transport/bi_scale_shading.h"
 #include "transport/translucent_shading.h"
@@ -13,6 +14,19 @@ namespace bakelight::transport {
 
 void PackShading::setCubeLight(std::span<const Float3>) {
   throw std::logic_error("this technique's light is not a cube map");
+}
+
+void PackShading::setPunctualLights(std::span<const PlacedPunctualLight> lights, const Occlusion&) {
+  if (!lights.empty()) throw std::logic_error("punctual lights cannot fall on what this technique shades");
+}
+
+void requirePunctualTaken(const formats::LightRig& rig, const LightNeeds& needs, const std::string& file) {
+  if (rig.punctual.empty() || needs.punctual) return;
+  throw badInput(
+      {file, "", "/punctual"},
+      "the pack cannot be lit by punctual lights: its light comes as coefficients, from all around",
+      "a pack of a translucent object, which takes light at each texel of its surface",
+      "use \"emitters\", or a disk or directional light in \"lights\"");
 }
 
 std::vector<ShadingTechnique>& shadingTechniques() {

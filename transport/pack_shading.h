@@ -7,9 +7,11 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "formats/pack_contents.h"
+#include "transport/punctual_light.h"
 #include "transport/vector_types.h"
 
 namespace bakelight::transport {
@@ -27,7 +29,12 @@ struct LightNeeds {
   std::optional<Vec3> near_center = {};
   // Texels along an edge of a cube map of it; 0: none. Then light comes by setCubeLight instead of setLight.
   int cube_side = 0;
+  // Whether punctual lights can fall on it: only where light is taken at each place of the surface, not as coefficients.
+  bool punctual = false;
 };
+
+// Whether the object itself lies along a ray (unit direction) at a distance from 0 to `distance`. From several threads at once.
+using Occlusion = std::function<bool(const Vec3& origin, const Vec3& direction, double distance)>;
 
 // Where a picture is seen from, in object space.
 struct ViewPoint {
@@ -49,6 +56,9 @@ class PackShading {
   // Light change for those that need a cube map: mean radiance over each of its 6 · cube_side² texels, in the order of
   // transport/cube_map.h and in the object's frame. Throws std::invalid_argument for another number, std::logic_error from those that do not need one.
   virtual void setCubeLight(std::span<const Float3> radiance);
+  // Change of punctual lights, in the object's frame, which takes effect with the next setLight; empty: none. Throws std::logic_error for
+  // any from those whose needs are without, Error(kBadInput) for light that is not finite.
+  virtual void setPunctualLights(std::span<const PlacedPunctualLight> lights, const Occlusion& occluded);
   // View change, or after a light change.
   virtual void setView(const ViewPoint& view) = 0;
   // Exit radiance of each hit towards the eye; black before the first setLight. From several threads at once.
@@ -66,6 +76,9 @@ std::vector<ShadingTechnique>& shadingTechniques();
 
 // Throws std::invalid_argument if no technique shades the pack, or its parts do not fit its mesh.
 std::unique_ptr<PackShading> makePackShading(const formats::Pack& pack);
+
+// Throws Error(kBadInput) naming the rig's file if it has punctual lights, and a technique of such needs does not take them.
+void requirePunctualTaken(const formats::LightRig& rig, const LightNeeds& needs, const std::string& file);
 
 // Radiance of hits, for renderers: of a pack, or interpolated between the vertices of triangles.
 using RadianceAtHits = std::function<void(std::span<const SurfaceHit>, std::span<Float3>)>;

@@ -1,6 +1,7 @@
 #include "transport/surface_points.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 
@@ -60,6 +61,33 @@ std::vector<SurfacePoint> frontPoints(const TriangleMesh& mesh, double bias) {
     points[v].origin = float3(moved);
   }
   return points;
+}
+
+SmoothPoint smoothPoint(const TriangleMesh& mesh, std::uint32_t triangle, double u, double v, double side) {
+  const formats::Triangle& corners = mesh.triangles[triangle];
+  std::array<double, 3> weights = {std::max(1 - u - v, 0.0), std::max(u, 0.0), std::max(v, 0.0)};
+  for (const double sum = weights[0] + weights[1] + weights[2]; double& weight : weights) weight /= sum;
+  SmoothPoint point{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  for (std::size_t i = 0; i < 3; ++i) {
+    point.position += weights[i] * vec3(mesh.positions[corners[i]]);
+    point.normal += weights[i] * vec3(mesh.normals[corners[i]]);
+  }
+  const double length = point.normal.norm();
+  if (length > 1e-6) {
+    point.normal *= side / length;
+  } else {
+    const Vec3 a = vec3(mesh.positions[corners[0]]);
+    point.normal =
+        side *
+        (vec3(mesh.positions[corners[1]]) - a).cross(vec3(mesh.positions[corners[2]]) - a).normalized();
+  }
+  point.lifted = point.position;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 vertex_normal = side * vec3(mesh.normals[corners[i]]);
+    const double below = (point.position - vec3(mesh.positions[corners[i]])).dot(vertex_normal);
+    point.lifted -= weights[i] * std::min(0.0, below) * vertex_normal;
+  }
+  return point;
 }
 
 }  // namespace bakelight::transport

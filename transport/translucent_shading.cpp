@@ -47,6 +47,7 @@ TranslucentShading::TranslucentShading(const formats::Pack& pack)
       knot_count_(static_cast<std::size_t>(translucencyOf(pack).knot_count)),
       places_(placesOf(translucencyOf(pack))),
       response_(translucencyOf(pack)),
+      irradiance_(translucencyOf(pack), mesh_),
       radiosity_(static_cast<std::size_t>(resolution_) * resolution_, Float4{0, 0, 0, 0}) {
   const std::size_t count = mesh_.vertexCount();
   if (pack.sh().near_field) {
@@ -77,9 +78,16 @@ void TranslucentShading::setLight(std::span<const Float3> distant, std::span<con
   std::vector<Float3> entering = response_.interpolated(at_knots);
   for (Float3& texel : entering)
     for (float& value : texel) value = std::max(std::numbers::pi_v<float> * value, 0.0F);
+  for (std::size_t t = 0; t < punctual_.size(); ++t)
+    for (std::size_t c = 0; c < 3; ++c) entering[t][c] += punctual_[t][c];
   const std::vector<Float3> leaving = response_.respond(entering, branches_);
   for (std::size_t r = 0; r < places_.size(); ++r)
     radiosity_[places_[r]] = {leaving[r][0], leaving[r][1], leaving[r][2], 1};
+}
+
+void TranslucentShading::setPunctualLights(std::span<const PlacedPunctualLight> lights,
+                                           const Occlusion& occluded) {
+  punctual_ = lights.empty() ? std::vector<Float3>() : irradiance_.entering(lights, occluded);
 }
 
 void TranslucentShading::radianceAt(std::span<const SurfaceHit> hits, std::span<Float3> radiance) const {

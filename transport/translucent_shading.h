@@ -8,6 +8,7 @@
 
 #include "formats/pack_contents.h"
 #include "transport/pack_shading.h"
+#include "transport/texel_irradiance.h"
 #include "transport/translucent_response.h"
 
 namespace bakelight::transport {
@@ -19,9 +20,10 @@ class TranslucentShading final : public PackShading {
   // Throws std::invalid_argument if the pack's tables do not fit its mesh.
   explicit TranslucentShading(const formats::Pack& pack);
 
-  LightNeeds needs() const override { return {order_, near_center_}; }
+  LightNeeds needs() const override { return {order_, near_center_, 0, true}; }
   // Transfer vectors hold what the surface lets in already; where spherical harmonics ring below 0, nothing enters. On all TBB threads; same bytes for any number.
   void setLight(std::span<const Float3> distant, std::span<const Float3> near) override;
+  void setPunctualLights(std::span<const PlacedPunctualLight> lights, const Occlusion& occluded) override;
   void setView(const ViewPoint& view) override { eye_ = view.eye; }
   void radianceAt(std::span<const SurfaceHit> hits, std::span<Float3> radiance) const override;
 
@@ -45,6 +47,8 @@ class TranslucentShading final : public PackShading {
   std::size_t knot_count_;
   std::vector<std::uint32_t> places_;  // of receivers
   TranslucentResponse response_;
+  TexelIrradiance irradiance_;
+  std::vector<Float3> punctual_;  // what enters of punctual lights, a texel; empty: nothing
   TranslucentResponse::Branches branches_ = TranslucentResponse::Branches::kBoth;
   std::vector<formats::Float4> radiosity_;
   Vec3 eye_ = Vec3::Zero();

@@ -93,10 +93,6 @@ CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& 
   const auto camera = transport::frameCamera(settings, bounds);
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(settings);
   const std::unique_ptr<transport::PackShading> shading = transport::makePackShading(pack);
-  const transport::LightNeeds needs = shading->needs();
-  const auto nearLightAt = [&](double time_s, const Eigen::Matrix3d& turn) {
-    return transport::nearLight(pack.mesh, needs, lighting, time_s, turn);
-  };
   const Vec3 eye = world_from_object.transpose() * (camera.eye() - bounds.center) + bounds.center;
   transport::lightShading(*shading, pack.mesh, lighting,
                           world_from_object.transpose() * transport::worldFromLight(settings),
@@ -107,12 +103,10 @@ CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& 
   scene_mesh.positions = pack.mesh.positions;
   scene_mesh.triangles = pack.mesh.triangles;
   transport::turnAbout(bounds.center, world_from_object, scene_mesh.positions);
-  auto exposure_light = lighting.distant;
   transport::EmitterMesh emitters;
   if (!lighting.near.emitters.empty()) {
     emitters = transport::emitterMesh(lighting.near, bounds, settings.time_s);
     append(scene_mesh, emitters.mesh);
-    exposure_light = transport::sum(exposure_light, nearLightAt(0, Eigen::Matrix3d::Identity()));
   }
   const auto glow = transport::interpolated(emitters.mesh.triangles, emitters.radiance);
   const auto object_triangles = static_cast<std::uint32_t>(pack.mesh.triangleCount());
@@ -132,7 +126,8 @@ CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& 
   const transport::PictureGrid grid{settings.width_px, settings.height_px, settings.supersampling};
   const auto picture = transport::renderOnCpu(scene, shade, camera, grid, backdropOf(lighting, settings));
   CpuFrame frame;
-  const auto exposure = static_cast<float>(transport::exposureFactor(settings, exposure_light));
+  const auto exposure = static_cast<float>(
+      transport::exposureFactor(settings, transport::exposureLight(pack.mesh, shading->needs(), lighting)));
   frame.display = transport::encodeForDisplay(picture.linear, exposure);
   frame.silhouette = silhouettePixels(scene_mesh, picture, camera, grid);
   const std::size_t columns = static_cast<std::size_t>(grid.width_px) * grid.supersampling;

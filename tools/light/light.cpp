@@ -81,7 +81,7 @@ formats::Image preview(const transport::RigLight& light, int order) {
   return picture;
 }
 
-void report(const transport::RigLight& light, const LightFigures& figures, std::size_t emitters,
+void report(const transport::RigLight& light, const LightFigures& figures, const formats::LightRig& rig,
             stage::Run& run) {
   formats::Json lights = formats::Json::array();
   for (const LightShare& share : figures.lights)
@@ -89,13 +89,16 @@ void report(const transport::RigLight& light, const LightFigures& figures, std::
                       {"scalar_irradiance", share.scalar_irradiance},
                       {"energy_share", share.energy_share}});
   run.stat("lights", std::move(lights));
-  run.stat("emitters", emitters);
+  run.stat("emitters", rig.emitters.size());
+  run.stat("punctual", rig.punctual.size());
   run.stat("window", light.window);
   run.stat("moved_energy", light.moved_energy);
   run.stat("mean_radiance", figures.mean_radiance);
   run.stat("minimum_luminance_over_mean", figures.minimum_over_mean);
   if (figures.lights.empty())
     run.warn("no distant light: the coefficients are zero; emitters are near field");
+  if (!rig.punctual.empty())
+    run.warn("punctual lights have no spherical harmonics and are not in the coefficients");
   const std::string ringing = transport::ringingWarning(figures.minimum_over_mean, light.window);
   if (!ringing.empty()) run.warn(ringing);
   if (light.moved_energy > kLargestMovedEnergy)

@@ -35,7 +35,7 @@ formats::TensorFile tensorFile(const transport::RigLight& light, int order);
 // (negative where they ring).
 formats::Image preview(const transport::RigLight& light, int order);
 
-void report(const transport::RigLight& light, const LightFigures& figures, std::size_t emitters,
+void report(const transport::RigLight& light, const LightFigures& figures, const formats::LightRig& rig,
             stage::Run& run);
 
 }  // namespace bakelight::light

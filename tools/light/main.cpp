@@ -26,6 +26,6 @@ int main(int argc, char** argv) {
     if (!light_path.empty()) formats::writeSafetensors(light_path, light::tensorFile(light, order));
     if (!preview_path.empty())
       formats::writeExr(preview_path, light::preview(light, order), formats::ExrPrecision::kFloat);
-    light::report(light, light::figuresOf(rig, light.light), rig.emitters.size(), run);
+    light::report(light, light::figuresOf(rig, light.light), rig, run);
   });
 }

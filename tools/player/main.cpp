@@ -39,6 +39,8 @@ int main(int argc, char** argv) {
     formats::LightRig rig =
         formats::readLights(options.environment_path, options.lights_path, options.windowing);
     for (const std::string& note : formats::notesOn(rig)) run.warn(note);
+    transport::requirePunctualTaken(rig, player::techniqueFor(pack).needs(pack),
+                                    options.lights_path.string());
     transport::Lighting lighting =
         transport::lightingFor(std::move(rig), player::lightOrder(pack), options.lights_path.string());
     const std::string ringing =

@@ -347,7 +347,7 @@ DistantLightSampler::DistantLightSampler(const formats::LightRig& rig,
                                          const Eigen::Matrix3d& world_from_light)
     : implementation_(std::make_unique<Implementation>()) {
   Collector<Implementation> collector{*implementation_, world_from_light, {}};
-  if (rig.distant.empty() && rig.emitters.empty()) {
+  if (rig.empty()) {
     const DefaultLight light;
     collector.cone(light.key_direction, light.key_half_angle_rad, vec3(light.key_radiance));
     collector.cone(Vec3::UnitY(), kPi, vec3(light.sky_radiance));

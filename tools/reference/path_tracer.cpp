@@ -81,6 +81,13 @@ Rgb PathTracer::directLight(const Vertex& vertex, const Bsdf& bsdf, std::uint64_
   const DistantLightSampler& distant = scene_.distantLight();
   for (const auto& directional : distant.directional())
     add(directional.direction, kInfinity, bsdf.value(directional.direction) * directional.irradiance);
+  for (const transport::PlacedPunctualLight& punctual : scene_.punctualLights()) {
+    const Vec3 way = punctual.position - origin;
+    const double distance = way.norm();
+    if (!(distance > 0)) continue;
+    const Vec3 direction = way / distance;
+    add(direction, distance, bsdf.value(direction) * punctual.irradianceFacing(origin));
+  }
   if (options_.integrator == Integrator::kUniform) return light;
 
   const auto [u, v] = vertex.pair(kDistantLight);

@@ -24,7 +24,7 @@ inline constexpr formats::Word<Transport> kTransports[] = {{"full", Transport::k
 
 enum class Integrator {
   kMis,     // lights and reflection sampled, combined by the power heuristic (Veach & Guibas 1995)
-  kUniform  // directions uniform over the hemisphere; of lights, only directional ones are sampled
+  kUniform  // directions uniform over the hemisphere; of lights, only directional and punctual ones are sampled
 };
 inline constexpr formats::Word<Integrator> kIntegrators[] = {{"mis", Integrator::kMis},
                                                              {"uniform", Integrator::kUniform}};

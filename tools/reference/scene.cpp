@@ -120,6 +120,7 @@ Scene::Scene(const Surface& surface, const formats::LightRig& rig, const formats
       ray_mesh_(joined(mesh_, emitters.mesh)),
       rays_(ray_mesh_),
       emitter_rays_(emitters.mesh),
+      punctual_(transport::placedPunctualLights(rig, bounds, frame.time_s)),
       offset_(transport::surfaceOffset(mesh_, surface.bias)),
       subsurfaces_(surface.translucency == Translucency::kDiffusion
                        ? transportIn<Subsurface>(surface, mesh_, rays_, objectFromWorld(frame, bounds))
@@ -141,14 +142,9 @@ ShadingPoint Scene::pointAt(const transport::Hit& hit) const {
   const formats::Triangle& corners = mesh_.triangles[hit.triangle];
   const double u = hit.u, v = hit.v;
   const std::array<double, 3> weights = {1 - u - v, u, v};
-  Vec3 position = Vec3::Zero(), normal = Vec3::Zero();
-  Rgb albedo = Rgb::Zero();
-  for (std::size_t i = 0; i < 3; ++i) {
-    position += weights[i] * vec3(mesh_.positions[corners[i]]);
-    normal += weights[i] * vec3(mesh_.normals[corners[i]]);
-    if (!vertex_albedo_.empty()) albedo += weights[i] * albedoOf(corners[i]);
-  }
-  if (vertex_albedo_.empty()) albedo = albedo_;
+  Rgb albedo = vertex_albedo_.empty() ? albedo_ : Rgb::Zero();
+  if (!vertex_albedo_.empty())
+    for (std::size_t i = 0; i < 3; ++i) albedo += weights[i] * albedoOf(corners[i]);
   const std::uint32_t material = material_of_triangle_.empty() ? 0 : material_of_triangle_[hit.triangle];
   if (!textures_.empty()) {
     formats::Float2 place = {0, 0};
@@ -157,26 +153,15 @@ ShadingPoint Scene::pointAt(const transport::Hit& hit) const {
         place[c] += static_cast<float>(weights[i]) * mesh_.texcoords[corners[i]][c];
     albedo *= textureAt(material, place);
   }
-  const double side = hit.back_face ? -1 : 1;
-  const double length = normal.norm();
-  // Normals that cancel out leave the triangle's own.
-  if (length > 1e-6) {
-    normal *= side / length;
-  } else {
-    const Vec3 edge = vec3(mesh_.positions[corners[1]]) - vec3(mesh_.positions[corners[0]]);
-    normal =
-        side * edge.cross(vec3(mesh_.positions[corners[2]]) - vec3(mesh_.positions[corners[0]])).normalized();
-  }
-
-  // Out to the vertices' tangent planes where these lie above the triangle, interpolated.
-  Vec3 lift = Vec3::Zero();
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3 vertex_normal = side * vec3(mesh_.normals[corners[i]]);
-    const double below = (position - vec3(mesh_.positions[corners[i]])).dot(vertex_normal);
-    lift -= weights[i] * std::min(0.0, below) * vertex_normal;
-  }
-  return {
-      position + lift + offset_ * normal, normal, albedo, material, position, hit.triangle, hit.back_face};
+  const transport::SmoothPoint point =
+      transport::smoothPoint(mesh_, hit.triangle, u, v, hit.back_face ? -1 : 1);
+  return {point.lifted + offset_ * point.normal,
+          point.normal,
+          albedo,
+          material,
+          point.position,
+          hit.triangle,
+          hit.back_face};
 }
 
 ShadingPoint Scene::pointAtVertex(std::uint32_t vertex) const {

@@ -19,6 +19,7 @@
 #include "tools/reference/random_walk.h"
 #include "tools/reference/subsurface.h"
 #include "transport/camera.h"
+#include "transport/punctual_light.h"
 #include "transport/ray_scene.h"
 #include "transport/surface_points.h"
 
@@ -78,6 +79,8 @@ class Scene {
   const DistantLightSampler& distantLight() const { return distant_; }
   const EmitterSampler& emitters() const { return emitters_; }
 
+  const std::vector<transport::PlacedPunctualLight>& punctualLights() const { return punctual_; }
+
   // Triangles of the rays' scenes: the mesh's, then the emitters'.
   bool isEmitter(std::uint32_t triangle) const { return triangle >= mesh_.triangleCount(); }
   std::uint32_t emitterTriangle(std::uint32_t triangle) const {
@@ -89,9 +92,8 @@ class Scene {
   const transport::RayScene& emitterRays() const { return emitter_rays_; }
 
   // Where a ray met the mesh: interpolated normal and albedo, both turned to the side that was hit. Rays
-  // start where they would from a smooth surface through the vertices (Hanika 2021, "Hacking the Shadow
-  // Terminator", Ray Tracing Gems II, chapter 4), then off it by the bias of a bake, so that a smooth convex
-  // body does not shadow itself.
+  // start where they would from a smooth surface through the vertices (transport::smoothPoint), then off it by the bias of a bake, so
+  // that a smooth convex body does not shadow itself.
   ShadingPoint pointAt(const transport::Hit& hit) const;
   // A vertex from its front, as a bake sees it (transport::frontPoints).
   ShadingPoint pointAtVertex(std::uint32_t vertex) const;
@@ -113,6 +115,7 @@ class Scene {
   EmitterSampler emitters_;
   formats::TriangleMesh ray_mesh_;
   transport::RayScene rays_, emitter_rays_;
+  std::vector<transport::PlacedPunctualLight> punctual_;
   double offset_;                                               // of rays, off the surface
   std::vector<std::unique_ptr<const Subsurface>> subsurfaces_;  // by material
   std::vector<std::unique_ptr<const RandomWalk>> random_walks_;

@@ -19,10 +19,19 @@ Renderer::Conditions Renderer::conditions(const formats::TriangleMesh& mesh,
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(frame);
   const transport::OrbitCamera& camera = cameras_[view];
   const Eigen::Matrix3d object_from_light = world_from_object.transpose() * transport::worldFromLight(frame);
+  transport::requirePunctualTaken(light.near, needs, plan_.views[view].lights_path.string());
+  transport::Occlusion shadows;
+  if (!light.near.punctual.empty()) {
+    transport::Occlusion& known = shadows_[formats::geometryHash(mesh)];
+    if (!known) known = transport::shadowsOf(mesh);
+    shadows = known;
+  }
   Conditions conditions{light.distant,
                         object_from_light,
                         transport::nearLight(mesh, needs, light, frame.time_s, world_from_object),
                         {},
+                        transport::punctualLightsOn(mesh, light.near, frame.time_s, world_from_object),
+                        shadows,
                         world_from_object.transpose() * (camera.eye() - camera.target) + camera.target};
   if (needs.cube_side == 0) return conditions;
   const auto own_mesh = std::make_shared<const formats::TriangleMesh>(mesh);
@@ -36,6 +45,7 @@ Renderer::Conditions Renderer::conditions(const formats::TriangleMesh& mesh,
 
 void Renderer::Conditions::light(transport::PackShading& shading, const Eigen::Matrix3d& turn) const {
   const transport::LightNeeds needs = shading.needs();
+  shading.setPunctualLights(punctual, shadows);
   if (needs.cube_side > 0) return shading.setCubeLight(cube);
   shading.setLight(transport::ShRotation(needs.sh_order, object_from_light * turn).apply(distant), near);
 }
@@ -61,9 +71,7 @@ std::vector<Picture> Renderer::picturesOf(const formats::Pack& pack, const Light
 double Renderer::exposure(const formats::TriangleMesh& mesh, const transport::LightNeeds& needs,
                           std::size_t view) {
   const transport::Lighting& light = lighting(view, needs.sh_order);
-  const transport::ShLight near = transport::nearLight(mesh, needs, light, 0, Eigen::Matrix3d::Identity());
-  return transport::exposureFactor(plan_.views[view].frame,
-                                   near.empty() ? light.distant : transport::sum(light.distant, near));
+  return transport::exposureFactor(plan_.views[view].frame, transport::exposureLight(mesh, needs, light));
 }
 
 const transport::Lighting& Renderer::lighting(std::size_t view, int order) {

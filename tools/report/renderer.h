@@ -28,7 +28,9 @@ class Renderer {
     Eigen::Matrix3d object_from_light;    // turns it into the object's frame
     transport::ShLight near;              // in the object's frame; empty without emitters
     std::vector<transport::Float3> cube;  // all light in the object's frame, where a cube map is needed
-    transport::Vec3 eye;                  // in the object's space
+    std::vector<transport::PlacedPunctualLight> punctual;  // in the object's frame
+    transport::Occlusion shadows;                          // of the object, where there are any
+    transport::Vec3 eye;                                   // in the object's space
 
     // `turn` turns the light first; not of a cube map, which stays as it is: see turnedCube.
     void light(transport::PackShading& shading,
@@ -56,6 +58,7 @@ class Renderer {
   std::vector<transport::OrbitCamera> cameras_;
   const Sources& sources_;
   std::map<std::pair<std::size_t, int>, transport::Lighting> lightings_;  // by view and order
+  std::map<std::string, transport::Occlusion> shadows_;                   // by mesh
   std::map<std::pair<std::string, std::size_t>, GBuffer> gbuffers_;       // by mesh and view
 };
 

@@ -148,5 +148,13 @@ TEST_F(LightTool, WarnsOfARigOfEmittersOnly) {
   EXPECT_THAT(messages(), testing::HasSubstr("no distant light"));
 }
 
+TEST_F(LightTool, WarnsThatPunctualLightsAreNotInTheCoefficients) {
+  formats::writeFileAtomically(
+      folder_ / "rig.json",
+      R"({"lights": [{"type": "disk"}], "punctual": [{"type": "point", "position": [0, 2, 0]}]})");
+  EXPECT_EQ(run("--rig rig.json --light l.safetensors"), 0);
+  EXPECT_THAT(messages(), testing::HasSubstr("punctual lights have no spherical harmonics"));
+}
+
 }  // namespace
 }  // namespace bakelight::light

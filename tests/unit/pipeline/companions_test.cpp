@@ -21,14 +21,16 @@ TEST(Companions, ImagesAndMeshesOfALightRigBelongToItsContent) {
   disk.write("rigs/room.json", R"({
     // comments are allowed in rigs
     "lights": [{"type": "environment", "image": "sky.exr"}, {"type": "sky"}],
-    "emitters": [{"shape": "mesh", "mesh": "lamp.gltf"}, {"shape": "sphere"}]})");
+    "emitters": [{"shape": "mesh", "mesh": "lamp.gltf"}, {"shape": "sphere"}],
+    "punctual": [{"type": "slide", "image": "slide.png"}, {"type": "point"}]})");
   disk.write("rigs/sky.exr", "blue");
+  disk.write("rigs/slide.png", "squares");
   disk.write("rigs/lamp.gltf", R"({"buffers": [{"uri": "lamp.bin"}]})");
   disk.write("rigs/lamp.bin", "1");
   const std::string before = hashOf(disk, "rigs/room.json");
   EXPECT_EQ(hashOf(disk, "rigs/room.json"), before);
   std::string last = before;
-  for (const char* companion : {"rigs/sky.exr", "rigs/lamp.bin"}) {
+  for (const char* companion : {"rigs/sky.exr", "rigs/lamp.bin", "rigs/slide.png"}) {
     disk.write(companion, "changed");
     const std::string after = hashOf(disk, "rigs/room.json");
     EXPECT_NE(after, last) << companion;
