@@ -58,7 +58,7 @@ TexelIrradiance::TexelIrradiance(const formats::Translucency& translucency, cons
   std::map<Corners, std::pair<std::uint32_t, std::size_t>> triangle_of;  // by knots
   std::map<std::array<std::uint32_t, 2>, std::pair<std::uint32_t, std::uint32_t>>
       edges;  // by knots: triangle, corner
-  neighbours_.resize(mesh.triangleCount());
+  triangles_.resize(mesh.triangleCount());
   for (std::size_t t = 0; t < mesh.triangleCount(); ++t) {
     Corners knots{};
     for (std::size_t k = 0; k < 3; ++k) knots[k] = translucency.knots.at(mesh.triangles[t][k]);
@@ -71,8 +71,8 @@ TexelIrradiance::TexelIrradiance(const formats::Translucency& translucency, cons
           edges.find({to, from});  // the other way round, as neighbours of one orientation have it
       if (other == edges.end()) continue;
       const auto [neighbour, corner] = other->second;
-      neighbours_[t][k] = {neighbour, corner};
-      neighbours_[neighbour][corner] = {static_cast<std::uint32_t>(t), k};
+      triangles_[t].neighbours[k] = {neighbour, corner};
+      triangles_[neighbour].neighbours[corner] = {static_cast<std::uint32_t>(t), k};
     }
 
     std::array<double, 4> sides{};  // of texture coordinates in texels, rows from the top
@@ -83,8 +83,9 @@ TexelIrradiance::TexelIrradiance(const formats::Translucency& translucency, cons
       sides[2 * k + 1] = -translucency.resolution * static_cast<double>(to[1] - from[1]);
     }
     const double det = sides[0] * sides[3] - sides[1] * sides[2];
-    steps_.push_back(det == 0 ? Steps{}
-                              : Steps{{sides[3] / det, -sides[1] / det}, {-sides[2] / det, sides[0] / det}});
+    if (det == 0) continue;
+    triangles_[t].across = {sides[3] / det, -sides[1] / det};
+    triangles_[t].down = {-sides[2] / det, sides[0] / det};
   }
   const auto knots = formats::wordsOf(translucency.texel_knots);
   const std::vector<float> weights = translucency.texel_weights.decode();
@@ -110,7 +111,7 @@ void TexelIrradiance::walk(std::uint32_t& triangle, double& u, double& v) const 
     const auto k =
         static_cast<std::size_t>(std::min_element(weights.begin(), weights.end()) - weights.begin());
     if (weights[k] >= 0) return;
-    const Neighbour next = neighbours_[triangle][k];
+    const Neighbour next = triangles_[triangle].neighbours[k];
     if (next.triangle == kNone) return;
     const auto at = [&](std::uint32_t of, std::size_t corner) {
       return vec3(mesh_.positions[mesh_.triangles[of][corner % 3]]);
@@ -141,7 +142,7 @@ std::vector<Float3> TexelIrradiance::entering(std::span<const PlacedPunctualLigh
   std::vector<Float3> result(texels_.size(), Float3{0, 0, 0});
   const auto at = [&](const Texel& texel, const PlacedPunctualLight& light,
                       const Place& place) -> Eigen::Array3d {
-    const Steps& steps = steps_[texel.triangle];
+    const Surroundings& steps = triangles_[texel.triangle];
     const auto [across, down] = place;
     std::uint32_t triangle = texel.triangle;
     double u = static_cast<double>(texel.u) + across * steps.across[0] + down * steps.down[0],

@@ -26,31 +26,34 @@ class TexelIrradiance {
   std::vector<Float3> entering(std::span<const PlacedPunctualLight> lights, const Occlusion& occluded) const;
   static constexpr std::size_t kPlaces = 16;
 
- private:
+  // For those who do the same elsewhere.
   struct Texel {
     std::uint32_t triangle;
-    float u, v;  // of its middle
+    float u, v;  // of its middle: weights of the second and third corner
   };
-  // How u and v change by a step of a texel.
-  struct Steps {
-    std::array<double, 2> across, down;
-  };
-
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
-  // Across the edge opposite of a corner: a triangle, and its corner off that edge. Corners that follow this one are those before that one.
+  // Across the edge opposite of a corner: a triangle, and its corner off that edge. Corners that follow this one are those before
+  // that one.
   struct Neighbour {
     std::uint32_t triangle = kNone;
     std::uint32_t corner = 0;
   };
+  struct Surroundings {
+    std::array<Neighbour, 3> neighbours;
+    std::array<double, 2> across{}, down{};  // how u and v change by a step of a texel
+  };
+  std::span<const Texel> texels() const { return texels_; }
+  std::span<const Surroundings> triangles() const { return triangles_; }
+  double offset() const { return offset_; }  // of rays, off the surface
 
+ private:
   // From outside of a triangle into its neighbours, as if they were unfolded into its plane; as far as the surface goes.
   void walk(std::uint32_t& triangle, double& u, double& v) const;
 
   const formats::TriangleMesh& mesh_;
-  std::vector<std::array<Neighbour, 3>> neighbours_;  // a triangle
   double eta_, offset_;
   std::vector<Texel> texels_;
-  std::vector<Steps> steps_;  // a triangle
+  std::vector<Surroundings> triangles_;
 };
 
 }  // namespace bakelight::transport

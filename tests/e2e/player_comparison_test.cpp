@@ -110,6 +110,57 @@ TEST_F(PlayerAgainstCpu, TranslucentObjects) {
   }
 }
 
+// A plate with a ridge, behind which low lights throw shadows: from outside, where one view sees the plate, and from so near that it takes a
+// cube; slides, cones and points, moving, around an object that is turned. Edges of shadows differ by a texel of the shadow map, a fraction of the atlas's; what of
+// that is left after 7 × 7 kernels may be seen in few pixels.
+TEST_F(PlayerAgainstCpu, TranslucentObjectsUnderPunctualLights) {
+  formats::Pack pack = translucentPack(64, mediumOf(2.5), 4, 0);
+  for (std::size_t v = 0; v < pack.mesh.vertexCount(); ++v) {
+    formats::Float3& position = pack.mesh.positions[v];
+    const float across = (position[0] - 30) / 4, height = 12 * std::exp(-across * across);
+    position[1] = height;
+    pack.mesh.normals[v] =
+        transport::float3(transport::Vec3(2.0 * static_cast<double>(across * height / 4), 1, 0).normalized());
+  }
+  formats::Image slide(4, 4, {"R", "G", "B"});
+  for (int i = 0; i < 16; ++i)
+    for (int c = 0; c < 3; ++c)
+      slide.texel(i % 4, i / 4)[c] = (i + i / 4) % 2 == 0 ? 1.0F : 0.1F * static_cast<float>(c);
+  formats::writeExr(folder_ / "slide.exr", slide);
+  const char* rigs[] = {
+      R"({"type": "point", "position": [-0.9, 0.35, 0.1], "intensity": [2, 1, 3]})",
+      R"({"type": "point", "position": [-2, 1, 0.5], "intensity": [9, 12, 6],
+          "motion": {"kind": "orbit", "period_s": 5}})",
+      R"({"type": "spot", "position": [1.5, 1.5, 0.5], "direction": [-1.5, -1.4, -0.5], "intensity": [9, 12, 6],
+          "inner_half_angle_deg": 8, "outer_half_angle_deg": 12})",
+      R"({"type": "slide", "position": [-2, 2, 1], "direction": [2, -2, -1], "up": [0, 0, -1],
+          "field_of_view_deg": 30, "image": "slide.exr", "intensity": [15, 15, 15]})"};
+  for (const char* light : rigs) {
+    SCOPED_TRACE(light);
+    formats::FrameSettings settings = kSmall;
+    settings.pitch_deg = 55;
+    settings.object_yaw_deg = 20;
+    settings.time_s = 0.3;
+    settings.exposure_ev = -1;
+    const std::string sky =
+        R"({"lights": [{"type": "disk", "half_angle_deg": 180, "radiance": [0.1, 0.1, 0.1]}],)";
+    compare(pack, settings, rig(sky + R"("punctual": [)" + light + "]}"));
+  }
+}
+
+TEST_F(PlayerAgainstCpu, PunctualLightsAreRefusedByNameForOtherPacks) {
+  formats::writePack(folder_ / "made.glb", wavyPack(3, 16), {});
+  const PlayerLights lights = rig(R"({"punctual": [{"type": "point", "position": [0, 2, 0]}]})");
+  std::string command = "'" + kPlayer.string() + "' '" + (folder_ / "made.glb").string() + "' --lights '" +
+                        lights.rig_path.string() + "' --image '" + (folder_ / "none.png").string() +
+                        "' 2> '" + (folder_ / "log").string() + "'";
+  EXPECT_NE(std::system(command.c_str()), 0);
+  const formats::Bytes log = formats::readFile(folder_ / "log");
+  const std::string text(reinterpret_cast<const char*>(log.data()), log.size());
+  EXPECT_NE(text.find("rig.json"), std::string::npos) << text;
+  EXPECT_NE(text.find("/punctual"), std::string::npos) << text;
+}
+
 // Transfer in a pixel basis with BTFs: frames that turn and change hands from vertex to vertex, so that every triangle has a crease,
 // and smooth ones; relief and none; a sun in one texel of the light, and emitters near by. As sums that rows share, in several tiles,
 // and as rows.

@@ -101,7 +101,7 @@ HeadlessPicture renderHeadless(const formats::Pack& pack, const transport::Light
   picture.gl_renderer = glRendererName();
   picture.exposure = renderer.exposure(settings);
   picture.light_change = timesOf([&] { renderer.updateLight(settings); });
-  if (renderer.hasEmitters()) picture.cube = timesOf([&] { renderer.updateNearLight(settings); });
+  if (renderer.hasNearLights()) picture.cube = timesOf([&] { renderer.updateNearLight(settings); });
   picture.gpu_bytes = renderer.gpuBytes();
   renderer.draw(settings);
   const ResolvedPicture resolved(encoding, settings.width_px, settings.height_px);

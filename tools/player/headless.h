@@ -27,13 +27,14 @@ struct WorkTimes {
 };
 
 struct HeadlessPicture {
-  formats::Image image;           // R, G, B, A
-  float exposure = 1;             // the factor that display encoding applies
-  WorkTimes light_change;         // turning the distant light and evaluating it
-  std::optional<WorkTimes> cube;  // placing the emitters, drawing their cube map, projecting it; if any
-  WorkTimes frame;                // reflecting towards the eye, drawing and resolving, lights unchanged
-  Times_ms read_back;             // of the picture, by the CPU's clock
-  std::size_t gpu_bytes = 0;      // of buffers and textures, without the picture
+  formats::Image image;    // R, G, B, A
+  float exposure = 1;      // the factor that display encoding applies
+  WorkTimes light_change;  // turning the distant light and evaluating it
+  std::optional<WorkTimes>
+      cube;  // placing near lights, drawing and projecting their cube map, casting punctual ones; if any
+  WorkTimes frame;            // reflecting towards the eye, drawing and resolving, lights unchanged
+  Times_ms read_back;         // of the picture, by the CPU's clock
+  std::size_t gpu_bytes = 0;  // of buffers and textures, without the picture
   std::string gl_renderer;
 };
 

@@ -28,6 +28,14 @@ std::optional<NearFieldLights> nearLights(const transport::BoundingSphere& bound
                                         resolution);
 }
 
+std::optional<formats::LightRig> punctualLights(const formats::LightRig& near) {
+  if (near.punctual.empty()) return std::nullopt;
+  formats::LightRig rig;
+  rig.punctual = near.punctual;
+  rig.object_units = near.object_units;
+  return rig;
+}
+
 Eigen::Matrix3d objectFromLight(const formats::FrameSettings& settings) {
   return transport::worldFromObject(settings).transpose() * transport::worldFromLight(settings);
 }
@@ -47,6 +55,7 @@ Renderer::Renderer(const formats::Pack& pack, transport::Lighting lighting, cons
       distant_(std::move(lighting.distant)),
       exposure_light_(distant_),
       distant_light_(darkLight()),
+      punctual_(punctualLights(lighting.near)),
       near_lights_(nearLights(bounds_, technique.needs(pack), lighting)),
       mesh_(pack.mesh, bounds_.center),
       technique_(technique.make(pack, mesh_, near_lights_.has_value())),
@@ -59,6 +68,9 @@ Renderer::Renderer(const formats::Pack& pack, transport::Lighting lighting, cons
     near_lights_->project(Eigen::Matrix3d::Identity());
     exposure_light_ = transport::sum(distant_, near_lights_->readLight());
   }
+  if (punctual_)
+    exposure_light_ = transport::withMeanLight(
+        std::move(exposure_light_), transport::placedPunctualLights(*punctual_, bounds_, 0), bounds_.center);
 }
 
 void Renderer::light() {
@@ -75,10 +87,24 @@ void Renderer::updateLight(const formats::FrameSettings& settings) {
   setCubeLight();
 }
 
+bool Renderer::lightsMove() const {
+  const auto moves = [](const formats::PunctualLight& light) {
+    return light.motion.kind != formats::Motion::Kind::kStill;
+  };
+  return (near_lights_ && near_lights_->anyMoves()) ||
+         (punctual_ && std::any_of(punctual_->punctual.begin(), punctual_->punctual.end(), moves));
+}
+
 void Renderer::updateNearLight(const formats::FrameSettings& settings) {
-  if (!near_lights_) return;
   evaluated_.world_from_object = transport::worldFromObject(settings);
   evaluated_.time_s = settings.time_s;
+  if (punctual_) {
+    std::vector<transport::PlacedPunctualLight> lights =
+        transport::placedPunctualLights(*punctual_, bounds_, settings.time_s);
+    transport::turnAbout(bounds_.center, evaluated_.world_from_object.transpose(), lights);
+    technique_->setPunctualLights(lights);
+  }
+  if (!near_lights_) return;
   near_lights_->place(settings.time_s);
   near_lights_->project(evaluated_.world_from_object);
 }
@@ -93,8 +119,8 @@ void Renderer::setCubeLight() {
 
 void Renderer::updateStaleLights(const formats::FrameSettings& settings) {
   bool near_is_new = false;
-  if (near_lights_ && (evaluated_.time_s != settings.time_s ||
-                       evaluated_.world_from_object != transport::worldFromObject(settings)))
+  if ((near_lights_ || punctual_) && (evaluated_.time_s != settings.time_s ||
+                                      evaluated_.world_from_object != transport::worldFromObject(settings)))
     updateNearLight(settings), near_is_new = true;
   if (evaluated_.object_from_light != objectFromLight(settings))
     updateLight(settings);

@@ -31,14 +31,15 @@ class Renderer {
   // touched only if they changed.
   void draw(const formats::FrameSettings& settings);
 
-  // What draw() calls when needed; even if nothing has changed, for timing. Without emitters the second does
+  // What draw() calls when needed; even if nothing has changed, for timing. Without emitters and punctual lights the second does
   // nothing.
   void updateLight(const formats::FrameSettings& settings);  // turns the distant light and evaluates it
   void updateNearLight(
-      const formats::FrameSettings& settings);  // places the emitters and projects their cube map
+      const formats::FrameSettings&
+          settings);  // places emitters and punctual lights, projects the cube map of the former
 
-  bool hasEmitters() const { return near_lights_.has_value(); }
-  bool emittersMove() const { return near_lights_ && near_lights_->anyMoves(); }
+  bool hasNearLights() const { return near_lights_ || punctual_; }
+  bool lightsMove() const;
   std::size_t gpuBytes() const;  // of buffers and textures, without the picture target
   const PictureTarget& target() const { return target_; }
   float exposure(const formats::FrameSettings& settings) const;
@@ -71,6 +72,7 @@ class Renderer {
   transport::ShLight exposure_light_;  // see transport::exposureFactor
   std::optional<CubeLight> cube_;
   GpuLight distant_light_;
+  std::optional<formats::LightRig> punctual_;  // of punctual lights alone
   std::optional<NearFieldLights> near_lights_;
   SurfaceMesh mesh_;
   std::unique_ptr<Technique> technique_;

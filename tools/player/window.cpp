@@ -56,7 +56,7 @@ class GlfwWindow {
 };
 
 // Turns events into settings, and settings into frames; a frame is drawn only after something changed, or
-// while emitters move.
+// while lights move.
 class Session {
  public:
   Session(GLFWwindow* window, const formats::Pack& pack, const transport::Lighting& lighting,
@@ -120,14 +120,14 @@ class Session {
     }
   }
 
-  bool playing() const { return renderer_.emittersMove() && !held_ && settings_.width_px > 0; }
+  bool playing() const { return renderer_.lightsMove() && !held_ && settings_.width_px > 0; }
 
   void hold(bool held) {
     held_ = held;
     last_frame_s_ = glfwGetTime();
   }
 
-  // Time goes on from frame to frame, and stands still while the emitters are held.
+  // Time goes on from frame to frame, and stands still while they are held.
   void advanceTime() {
     const double now_s = glfwGetTime();
     if (playing()) settings_.time_s += now_s - last_frame_s_;

@@ -26,6 +26,8 @@ extern const ShaderSource kPatchSurfaceVert;
 extern const ShaderSource kPatchSurfaceFrag;
 extern const ShaderSource kTranslucentVert;
 extern const ShaderSource kTranslucentFrag;
+extern const ShaderSource kLightDepthFrag;
+extern const ShaderSource kTexelLightComp;
 extern const ShaderSource kProjectRowsComp;
 extern const ShaderSource kProjectSumComp;
 extern const ShaderSource kSurfaceVert;

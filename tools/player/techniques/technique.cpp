@@ -16,6 +16,10 @@ void Technique::setCubeLight(std::span<const formats::Float3>) {
   throw std::logic_error("this technique takes no cube map of light");
 }
 
+void Technique::setPunctualLights(std::span<const transport::PlacedPunctualLight> lights) {
+  if (!lights.empty()) throw std::logic_error("punctual lights cannot fall on what this technique plays");
+}
+
 std::vector<PlayedTechnique>& techniques() {
   static std::vector<PlayedTechnique> techniques = {
       {"vertices", VertexRadiance::plays, VertexRadiance::needs,

@@ -26,6 +26,9 @@ class Technique {
   // Light change for those whose LightNeeds ask for a cube map, in place of setLight: transport::PackShading::setCubeLight. Throws
   // std::logic_error from those that do not.
   virtual void setCubeLight(std::span<const formats::Float3> radiance);
+  // Change of punctual lights, in the object's frame, which takes effect with the next setLight; empty: none. Throws std::logic_error for any
+  // from those whose LightNeeds are without.
+  virtual void setPunctualLights(std::span<const transport::PlacedPunctualLight> lights);
   // In every frame, and after a light change.
   virtual void lookFrom(const transport::ViewPoint& view) = 0;
   // Exit radiance towards that eye, linear, with alpha 1, into the framebuffer that is bound, by depth test:

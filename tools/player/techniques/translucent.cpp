@@ -1,5 +1,6 @@
 #include "tools/player/techniques/translucent.h"
 
+#include <utility>
 #include <vector>
 
 #include "tools/player/gl/gl_context.h"
@@ -34,6 +35,7 @@ bool Translucent::plays(const formats::Pack& pack) {
 transport::LightNeeds Translucent::needs(const formats::Pack& pack) {
   const formats::ShTransfer& transfer = pack.sh();
   transport::LightNeeds needs{transfer.order};
+  needs.punctual = true;
   if (transfer.near_field) needs.near_center = transport::vec3(transfer.near_field->center);
   return needs;
 }
@@ -44,6 +46,7 @@ Translucent::Translucent(const formats::Pack& pack, const SurfaceMesh& mesh)
       normals_(bufferOf(pack.mesh.normals)),
       texcoords_(bufferOf(pack.mesh.texcoords)),
       stain_(bufferOf(shading_.stain())),
+      texel_light_(pack, mesh, normals_),
       radiosity_(makeTexture(GL_RGBA32F, shading_.resolution(), shading_.resolution())),
       program_(
           makeProgram({{GL_VERTEX_SHADER, {kTranslucentVert}}, {GL_FRAGMENT_SHADER, {kTranslucentFrag}}})),
@@ -60,8 +63,9 @@ Translucent::Translucent(const formats::Pack& pack, const SurfaceMesh& mesh)
 
 void Translucent::setLight(const GpuLight& distant, const GpuLight* near) {
   const std::uint64_t near_revision = near == nullptr ? kNone : near->revision;
-  if (distant.revision == distant_revision_ && near_revision == near_revision_) return;
+  if (distant.revision == distant_revision_ && near_revision == near_revision_ && !punctual_is_new_) return;
   distant_revision_ = distant.revision, near_revision_ = near_revision;
+  if (std::exchange(punctual_is_new_, false)) takePunctualLight();
   const int order = shading_.needs().sh_order;
   const std::vector<transport::Float3> near_light =
       near == nullptr ? std::vector<transport::Float3>() : coefficientsOf(*near, order);
@@ -69,6 +73,26 @@ void Translucent::setLight(const GpuLight& distant, const GpuLight* near) {
   glTextureSubImage2D(radiosity_.name(), 0, 0, 0, shading_.resolution(), shading_.resolution(), GL_RGBA,
                       GL_FLOAT, shading_.radiosity().data());
   throwIfGlFailed("lighting a translucent object");
+}
+
+void Translucent::setPunctualLights(std::span<const transport::PlacedPunctualLight> lights) {
+  if (lights.empty() && !has_punctual_) return;
+  if (punctual_.name() == 0)
+    punctual_ = makeBuffer(texel_light_.texelCount() * sizeof(transport::Float3), nullptr);
+  const float dark = 0;
+  glClearNamedBufferData(punctual_.name(), GL_R32F, GL_RED, GL_FLOAT, &dark);
+  texel_light_.add(lights, punctual_);
+  has_punctual_ = !lights.empty();
+  punctual_is_new_ = true;
+}
+
+void Translucent::takePunctualLight() {
+  std::vector<transport::Float3> entering(has_punctual_ ? texel_light_.texelCount() : 0);
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  if (has_punctual_)
+    glGetNamedBufferSubData(punctual_.name(), 0,
+                            static_cast<GLsizeiptr>(entering.size() * sizeof(entering[0])), entering.data());
+  shading_.setPunctualLight(std::move(entering));
 }
 
 void Translucent::lookFrom(const transport::ViewPoint& view) {
@@ -89,8 +113,8 @@ void Translucent::draw(const Eigen::Matrix4f& clip_from_position) const {
 }
 
 std::size_t Translucent::gpuBytes() const {
-  return sizeInBytes(normals_) + sizeInBytes(texcoords_) + sizeInBytes(stain_) +
-         shading_.radiosity().size() * sizeof(formats::Float4);
+  return sizeInBytes(normals_) + sizeInBytes(texcoords_) + sizeInBytes(stain_) + sizeInBytes(punctual_) +
+         texel_light_.gpuBytes() + shading_.radiosity().size() * sizeof(formats::Float4);
 }
 
 }  // namespace bakelight::player
