@@ -8,6 +8,7 @@
 // factors: of the bunny's 34,000 vertices. bytes, seconds.
 // product: factors times light at run time; bandwidth_ratio: bytes that they have ÷ seconds ÷ what this machine reads in a second.
 // respond: all of a light change on the CPU.
+// punctual: what a point light sends into each texel, in the object's shadow: a move of such a light, before respond.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -24,6 +25,8 @@
 #include "tools/atlas/maps/geometry_maps.h"
 #include "tools/kernels/kernels.h"
 #include "tools/simplify/simplify.h"
+#include "transport/near_light.h"
+#include "transport/texel_irradiance.h"
 #include "transport/translucent_response.h"
 
 namespace bakelight::bench {
@@ -189,6 +192,18 @@ void BM_respond(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(response.respond(light));
 }
 BENCHMARK(BM_respond)->Name("respond")->Unit(benchmark::kMillisecond)->UseRealTime();
+
+void BM_punctual(benchmark::State& state) {
+  const formats::TriangleMesh& mesh = horse().result.atlas.mesh;
+  const transport::TexelIrradiance texels(horse().made.translucency, mesh);
+  const transport::Occlusion shadows = transport::shadowsOf(mesh);
+  const transport::BoundingSphere bounds = transport::boundingSphere(mesh);
+  transport::PlacedPunctualLight light;
+  light.position = bounds.center + bounds.radius * transport::Vec3(1.3, 0.6, 2.8);
+  for (auto _ : state) benchmark::DoNotOptimize(texels.entering(std::span(&light, 1), shadows));
+  state.counters["texels"] = static_cast<double>(texels.texels().size());
+}
+BENCHMARK(BM_punctual)->Name("punctual")->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
 }  // namespace bakelight::bench

@@ -1,3 +1,3 @@
 bakelight_benchmark(bench_kernels
   SOURCES bench_kernels.cpp translucency_error.cpp roofline.cpp
-  LIBRARIES bakelight_kernels bakelight_atlas bakelight_simplify bakelight_formats_mesh_import bakelight_formats_tensors)
+  LIBRARIES bakelight_rays bakelight_kernels bakelight_atlas bakelight_simplify bakelight_formats_mesh_import bakelight_formats_tensors)

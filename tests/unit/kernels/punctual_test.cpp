@@ -166,6 +166,38 @@ TEST(TranslucentShading, PunctualLightsComeOnTopAndGo) {
   EXPECT_GT(most, 0.5F);
 }
 
+// Squares of 4.4 texels, on a plate of a mean free path of 2.5: radiosity against the integral over the plate, by parts of a texel.
+TEST(TranslucentShading, ASlideComesOutAsTheIntegralSays) {
+  formats::Medium medium = tests::mediumOf(2.5);
+  medium.eta = kEta;
+  const formats::Pack pack = plate();
+  TranslucentShading shading(pack);
+  const PlacedPunctualLight slide = checkerboardAbove(100, 10, 44);
+  shading.setPunctualLights(std::span(&slide, 1), kNothing);
+  shading.setLight(std::vector<Float3>(1, Float3{0, 0, 0}), {});
+  const DiffuseReflectance reflectance = kernels::reflectanceOf(medium)[0];
+  constexpr int kParts = 4, kSide = (kTexels - 4) * kParts;
+  std::vector<double> entering(static_cast<std::size_t>(kSide) * kSide);
+  for (int j = 0; j < kSide; ++j)
+    for (int i = 0; i < kSide; ++i)
+      entering[static_cast<std::size_t>(j) * kSide + i] =
+          enteringAt(slide, (i + 0.5) / kParts, (j + 0.5) / kParts, 0) / (kParts * kParts);
+  double squares = 0, truth_squares = 0;
+  for (int row = 20; row < 40; row += 3)
+    for (int column = 20; column < 40; column += 3) {
+      const double x = column + 0.5, z = row + 0.5;
+      double truth = 0;
+      for (int j = 0; j < kSide; ++j)
+        for (int i = 0; i < kSide; ++i)
+          if (const double light = entering[static_cast<std::size_t>(j) * kSide + i]; light > 0)
+            truth += light * reflectance(std::hypot((i + 0.5) / kParts - x, (j + 0.5) / kParts - z));
+      const formats::Float4& seen =
+          shading.radiosity()[static_cast<std::size_t>(row + 2) * kTexels + column + 2];
+      squares += std::pow(static_cast<double>(seen[0]) - truth, 2), truth_squares += truth * truth;
+    }
+  EXPECT_LT(std::sqrt(squares / truth_squares), 0.02);
+}
+
 TEST(TranslucentShading, TexelsOfPacksThatWereReorderedLieWhereTheyDid) {
   formats::Pack pack = plate();
   const PlacedPunctualLight slide = checkerboardAbove(100, 7, 33.3);
