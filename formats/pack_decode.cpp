@@ -3,6 +3,7 @@
 
 #include "formats/pack_reading.h"
 #include "formats/pixel_transfer.h"
+#include "formats/translucency.h"
 
 namespace bakelight::formats {
 namespace {
@@ -150,9 +151,11 @@ class PackReader : private PackReading {
   Appearance readAppearance(const std::string& pointer) const {
     Appearance appearance;
     if (glb_.has(pointer + "/name")) appearance.material = glb_.textAt(pointer + "/name");
-    appearance.base_color = float3At(pointer + "/pbrMetallicRoughness/baseColorFactor");
-    appearance.reflection =
-        readPart(pointer + "/extensions/" + kTransferExtension, reflectionKinds(), kNoTangents);
+    const std::string part = pointer + "/extensions/" + kTransferExtension;
+    appearance.reflection = readPart(part, reflectionKinds(), kNoTangents);
+    appearance.base_color = float3At(appearance.reflection.as<Translucency>() != nullptr
+                                         ? part + "/stain"
+                                         : pointer + "/pbrMetallicRoughness/baseColorFactor");
     return appearance;
   }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <list>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -10,6 +11,7 @@
 #include "formats/pack_check.h"
 #include "formats/pack_layout.h"
 #include "formats/pixel_transfer.h"
+#include "formats/translucency.h"
 
 namespace bakelight::formats {
 namespace {
@@ -46,6 +48,23 @@ float viewerRoughness(const PackPart& reflection) {
   if (const auto* ggx = reflection.as<GgxLobe>()) return ggx->roughness;
   if (const auto* phong = reflection.as<PhongLobe>()) return std::pow(2 / (4 * phong->exponent + 2), 0.25F);
   return 1;
+}
+
+constexpr const char* kIor = "KHR_materials_ior";
+constexpr const char* kDiffuseTransmission = "KHR_materials_diffuse_transmission";
+constexpr const char* kVolume = "KHR_materials_volume";
+
+// For viewers that do not know the extension: e^(−attenuation · d) is attenuationColor at attenuationDistance, for which the color that
+// falls fastest tells the scale.
+Json volumeOf(const TranslucencyFallback& fallback) {
+  Json volume = {{"thicknessFactor", fallback.thickness}};
+  const float greatest = *std::max_element(fallback.attenuation.begin(), fallback.attenuation.end());
+  if (!(greatest > 0)) return volume;
+  Float3 color;
+  for (std::size_t c = 0; c < 3; ++c) color[c] = std::exp(-fallback.attenuation[c] / greatest);
+  volume["attenuationColor"] = color;
+  volume["attenuationDistance"] = std::min(1 / greatest, std::numeric_limits<float>::max());
+  return volume;
 }
 
 // Triangles of one appearance, and with Draco the vertices of its own.
@@ -174,14 +193,34 @@ class PackEncoder {
   }
 
   Json materialOf(Appearance& appearance) {
-    const Float3& c = appearance.base_color;
+    const auto* translucency = appearance.reflection.as<Translucency>();
+    Float3 c = appearance.base_color;
+    for (std::size_t i = 0; i < 3 && translucency != nullptr; ++i)
+      c[i] *= translucency->fallback.reflectance[i];
     Json material = {{"pbrMetallicRoughness",
                       {{"baseColorFactor", {c[0], c[1], c[2], 1.0F}},
                        {"metallicFactor", 0},
                        {"roughnessFactor", viewerRoughness(appearance.reflection)}}}};
     if (!appearance.material.empty()) material["name"] = appearance.material;
     material["extensions"][kTransferExtension] = fieldsOf(appearance.reflection);
+    if (translucency != nullptr) addFallback(material["extensions"], *translucency, appearance.base_color);
     return material;
+  }
+
+  void addFallback(Json& extensions, const Translucency& translucency, const Float3& stain) {
+    const auto add = [&](const char* name, Json content) {
+      document_["extensionsUsed"].push_back(name);
+      extensions[name] = std::move(content);
+    };
+    const TranslucencyFallback& fallback = translucency.fallback;
+    extensions[kTransferExtension]["stain"] = stain;
+    add(kIor, {{"ior", translucency.eta}});
+    if (!(fallback.thickness > 0)) return;
+    Float3 color = stain;
+    for (std::size_t i = 0; i < 3; ++i) color[i] *= fallback.transmission_color[i];
+    add(kDiffuseTransmission,
+        {{"diffuseTransmissionFactor", fallback.transmission}, {"diffuseTransmissionColorFactor", color}});
+    add(kVolume, volumeOf(fallback));
   }
 
   // Appends an accessor to the document and returns its index.

@@ -38,9 +38,6 @@ class Named : public FieldVisitor {
   void choice(const char*, int&, std::span<const char* const>) override {
     throw std::logic_error("a part in a file of its own has no choices");
   }
-  void vector(const char*, Float3&, const Range&) override {
-    throw std::logic_error("a part in a file of its own has no vectors");
-  }
   void tangents(const char*, std::vector<Float4>&) override {
     throw std::logic_error("a part in a file of its own has no tangents");
   }
@@ -73,6 +70,9 @@ class Writer final : public Named {
   }
   void number(const char* name, float& value, const Range&) override {
     file.metadata[named(name)] = textOf(static_cast<double>(value));
+  }
+  void vector(const char* name, Float3& value, const Range&) override {
+    file.tensors[named(name)] = Tensor::from<float>(ElementType::kFloat32, {value.size()}, value);
   }
   void table(const char* name, EncodedTable& table, Rows, std::size_t columns) override {
     if (table.precision == Precision::kUint8)
@@ -110,6 +110,15 @@ class Reader final : public Named {
   }
   void number(const char* name, float& value, const Range& range) override {
     value = static_cast<float>(numberOf(name, range));
+  }
+  void vector(const char* name, Float3& value, const Range& range) override {
+    const auto found = listOf<float>(name, ElementType::kFloat32);
+    if (found.size() != value.size())
+      refuse(name, "it has " + std::to_string(found.size()) + " values", std::to_string(value.size()));
+    for (std::size_t i = 0; i < value.size(); ++i)
+      if (!range.holds(value[i] = found[i]))
+        refuse(name, "value " + std::to_string(i) + " is " + textOf(static_cast<double>(found[i])),
+               formats::textOf(range));
   }
   void table(const char* name, EncodedTable& table, Rows, std::size_t columns) override {
     const Tensor& tensor = find(name);

@@ -69,6 +69,15 @@ void Translucency::describe(FieldVisitor& fields) {
   fields.integer("resolution", resolution, {1, kMostTexels});
   fields.number("eta", eta, {1, 3});
   fields.number("areaUnit", area_unit, {0, std::numeric_limits<float>::max(), true});
+  if (fields.open("fallback", true)) {
+    constexpr float kMost = std::numeric_limits<float>::max();
+    fields.vector("reflectance", fallback.reflectance, {0, 1});
+    fields.number("transmission", fallback.transmission, {0, 1});
+    fields.vector("transmissionColor", fallback.transmission_color, {0, 1});
+    fields.vector("attenuation", fallback.attenuation, {0, kMost});
+    fields.number("thickness", fallback.thickness, {0, kMost});
+    fields.close();
+  }
   fields.integer("knotCount", knot_count, {1, kMany});
   fields.indices("knots", knots, static_cast<std::size_t>(knot_count));
 

@@ -27,6 +27,17 @@ struct SparseRows {
 inline constexpr int kKernelSide = 7;
 inline constexpr int kKernelTexels = kKernelSide * kKernelSide;
 
+// What stands for the object where this part is not known: in glTF viewers, by KHR_materials_diffuse_transmission, KHR_materials_volume and
+// KHR_materials_ior.
+struct TranslucencyFallback {
+  Float3 reflectance = {1, 1, 1};  // of what enters a half space, what leaves it again, 0–1
+  // Through a layer as thick as the object is in the mean goes transmission · color · e^(−attenuation · thickness) of what enters, 0–1.
+  float transmission = 0;
+  Float3 transmission_color = {1, 1, 1};
+  Float3 attenuation = {0, 0, 0};  // in 1 / the asset's unit
+  float thickness = 0;             // in the asset's unit; 0: a surface around no volume
+};
+
 // Let E be what falls on a texel times what the surface lets in, and B the radiosity of what comes out below the surface. With
 //   e = Σ over texels of weights · area · E, and d = Σ blend · E    at knots
 //   g = sharpen (near + spread far spreadᵀ) sharpenᵀ e + d
@@ -39,6 +50,7 @@ struct Translucency {
   int resolution = 0;   // texels of the atlas's side; rows from the top
   float eta = 1;        // index of refraction
   float area_unit = 1;  // in the asset's unit squared
+  TranslucencyFallback fallback;
   int knot_count = 0;
   std::vector<std::uint32_t> knots;  // of each vertex of the mesh
 

@@ -66,6 +66,8 @@ TEST_F(TranslucentRecipe, BakesABall) {
   const auto* translucency = pack.appearances.front().reflection.as<formats::Translucency>();
   ASSERT_NE(translucency, nullptr);
   EXPECT_GT(translucency->knot_count, 700);  // 1,500 triangles of what had 320
+  EXPECT_NEAR(translucency->fallback.thickness, 4.0F / 3, 0.03F);
+  EXPECT_GT(translucency->fallback.reflectance[0], translucency->fallback.reflectance[2]);
   const formats::Image frame = formats::readImage(out("frame.png"));
   // Even light gives an even ball, lighter in red than in blue.
   const float* middle = frame.texel(80, 60);

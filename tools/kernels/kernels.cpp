@@ -6,6 +6,7 @@
 
 #include "formats/error.h"
 #include "tools/kernels/compression.h"
+#include "tools/kernels/fallback.h"
 #include "tools/stage/stopwatch.h"
 
 namespace bakelight::kernels {
@@ -104,6 +105,7 @@ Made makeTranslucency(const formats::TriangleMesh& mesh, const std::filesystem::
   const double mean_area = std::max(knots.meanSpacing() * knots.meanSpacing(), 1e-300);
   result.area_unit = static_cast<float>(mean_area);
   result.eta = static_cast<float>(medium.eta);
+  result.fallback = fallbackOf(mesh, medium);
   result.knot_count = static_cast<int>(knots.count());
   result.knots = knots.of_vertex;
   takeTexels(texels, knots, blending, result);

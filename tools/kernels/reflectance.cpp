@@ -38,10 +38,14 @@ std::array<double, 3> smoothCoefficients(const DiffuseReflectance& color, double
 
 }  // namespace
 
+transport::ScatteringCoefficients coefficientsOf(const formats::Medium& medium, std::size_t color) {
+  return {medium.reduced_scattering[color] * medium.unit_mm, medium.absorption[color] * medium.unit_mm,
+          medium.eta};
+}
+
 std::array<DiffuseReflectance, 3> reflectanceOf(const formats::Medium& medium) {
   const auto color = [&](std::size_t c) {
-    return DiffuseReflectance(medium.model, {medium.reduced_scattering[c] * medium.unit_mm,
-                                             medium.absorption[c] * medium.unit_mm, medium.eta});
+    return DiffuseReflectance(medium.model, coefficientsOf(medium, c));
   };
   return {color(0), color(1), color(2)};
 }

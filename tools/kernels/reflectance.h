@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <Eigen/Core>
 #include <vector>
@@ -22,7 +23,8 @@ using Rgb = Eigen::Array3f;  // red, green, blue
 using transport::Vec3;
 using Place = transport::MediumField::Place;
 
-// Of a medium without its veins, in the asset's unit of length.
+// Of a medium without its veins, in the asset's unit of length: of one color, and of all.
+transport::ScatteringCoefficients coefficientsOf(const formats::Medium& medium, std::size_t color);
 std::array<transport::DiffuseReflectance, 3> reflectanceOf(const formats::Medium& medium);
 
 // Function of a distance for each of some media, linear between nodes that are even in log(1 + distance / scale).

@@ -6,6 +6,7 @@
 #include "tests/support/plate.h"
 #include "tests/support/shapes.h"
 #include "tools/kernels/compression.h"
+#include "tools/kernels/fallback.h"
 #include "tools/kernels/point_index.h"
 
 namespace bakelight::kernels {
@@ -109,13 +110,43 @@ TEST(Compression, RowsOfLowRankAreExact) {
     }
 }
 
+// Chords through a ball have a mean of 4/3 radii; a plate has no inside.
+TEST(Fallback, ThicknessIsTheMeanChord) {
+  EXPECT_NEAR(meanThickness(tests::icosphere(5, 3)), 4, 0.01);
+  EXPECT_EQ(meanThickness(tests::plateMesh(24, 4.4, 7)), 0);
+}
+
+// A ball of 4 mm across in the mean, in units of half a millimetre.
+TEST(Fallback, IsWhatALayerOfTheMediumDoes) {
+  formats::Medium medium;
+  medium.reduced_scattering = {2, 4, 2};
+  medium.absorption = {0, 0, 0.5F};
+  medium.eta = 1;
+  medium.unit_mm = 0.5;
+  const formats::TranslucencyFallback fallback = fallbackOf(tests::icosphere(5, 6), medium);
+  EXPECT_NEAR(fallback.thickness, 8, 0.02F);
+  const double red = (5.0 / 3) / (8 + 4.0 / 3), green = (5.0 / 3) / (16 + 4.0 / 3);  // in mean free paths
+  EXPECT_NEAR(fallback.transmission, red, 0.002);
+  EXPECT_EQ(fallback.transmission_color[0], 1);
+  EXPECT_NEAR(fallback.transmission_color[1], green / red, 0.003);
+  EXPECT_EQ(fallback.reflectance[0], 1);
+  EXPECT_EQ(fallback.attenuation[1], 0);
+  // The dipole's total, and nearly √(3 σa σt′), in 1/unit.
+  const double albedo = 0.8, s = std::sqrt(3 * (1 - albedo));
+  EXPECT_NEAR(fallback.reflectance[2], albedo / 2 * (1 + std::exp(-4.0 / 3 * s)) * std::exp(-s), 1e-6);
+  EXPECT_NEAR(fallback.attenuation[2] / (0.5 * std::sqrt(3 * 0.5 * 2.5)), 1, 0.15);
+}
+
 TEST(KernelsFile, ComesBackAsItWas) {
-  const Made made = tests::kernelsOf(tests::plateMesh(24, 4.4), 24, tests::mediumOf(2));
+  Made made = tests::kernelsOf(tests::plateMesh(24, 4.4), 24, tests::mediumOf(2));
+  made.translucency.fallback.attenuation = {0.1F, 1.0F / 3, 1e-9F};
   formats::PackPart part(made.translucency);
   formats::TensorFile file = formats::tensorsOf(part);
   formats::PackPart read{formats::Translucency()};
   formats::readPart(read, file, "file");
   EXPECT_EQ(formats::encodeSafetensors(formats::tensorsOf(read)), formats::encodeSafetensors(file));
+
+  EXPECT_EQ(read.as<formats::Translucency>()->fallback.attenuation, made.translucency.fallback.attenuation);
 
   formats::TensorFile missing = file;
   missing.tensors.erase("near.values");

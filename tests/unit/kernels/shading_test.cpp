@@ -1,8 +1,13 @@
 // A translucent pack as it is shaded and kept.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "formats/compare.h"
 #include "formats/error.h"
+#include "formats/json.h"
 #include "formats/pack.h"
 #include "tests/support/made_translucent_pack.h"
 #include "transport/translucent_shading.h"
@@ -102,6 +107,54 @@ TEST(TranslucentPack, ComesBackAsItWasWhateverOrderItsVerticesTake) {
   }
 }
 
+formats::Json jsonOf(const formats::Bytes& glb) {
+  std::uint32_t size = 0;
+  std::memcpy(&size, glb.data() + 12, sizeof size);
+  const auto* text = reinterpret_cast<const char*>(glb.data() + 20);
+  return formats::Json::parse(text, text + size);
+}
+
+// What viewers that do not know this extension show.
+TEST(TranslucentPack, HasGltfsOwnExtensionsToo) {
+  formats::Pack pack = tests::translucentPack(24, tests::mediumOf(2.5), 2, 0);
+  formats::Appearance& appearance = pack.appearances.front();
+  appearance.base_color = {1, 0.3F, 0.1F};
+  auto& translucency = *appearance.reflection.as<formats::Translucency>();
+  translucency.eta = 1.5F;
+  translucency.fallback = {{0.9F, 0.7F, 0.3F}, 0.25F, {1, 0.5F, 0.25F}, {2, 4, 0}, 3};
+  const formats::Bytes bytes = formats::encodePack(pack, {}, "pack");
+  formats::Json json = jsonOf(bytes);
+  formats::Json& material = json["materials"][0];
+  const auto near = [&](const formats::Json& found, const Float3& expected) {
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(found.at(c).get<float>(), expected[c], 1e-7F) << c;
+  };
+  near(material["pbrMetallicRoughness"]["baseColorFactor"], {0.9F, 0.21F, 0.03F});
+  formats::Json& extensions = material["extensions"];
+  EXPECT_EQ(extensions["KHR_materials_ior"]["ior"], 1.5F);
+  const formats::Json& transmission = extensions["KHR_materials_diffuse_transmission"];
+  EXPECT_EQ(transmission.at("diffuseTransmissionFactor"), 0.25F);
+  near(transmission.at("diffuseTransmissionColorFactor"), {1, 0.15F, 0.025F});
+  const formats::Json& volume = extensions["KHR_materials_volume"];
+  EXPECT_EQ(volume.at("thicknessFactor"), 3.0F);
+  EXPECT_EQ(volume.at("attenuationDistance"), 0.25F);
+  near(volume.at("attenuationColor"), {std::exp(-0.5F), std::exp(-1.0F), 1});
+  const std::vector<std::string> used = json["extensionsUsed"];
+  EXPECT_THAT(used, testing::IsSupersetOf(
+                        {"KHR_materials_ior", "KHR_materials_diffuse_transmission", "KHR_materials_volume"}));
+
+  const formats::Pack read = formats::decodePack(bytes, "pack");
+  EXPECT_EQ(read.appearances.front().base_color, appearance.base_color);
+  EXPECT_TRUE(formats::comparePacks(read, pack, {}).passes());
+
+  // No volume, nothing that goes through it; no absorption, no color of it.
+  translucency.fallback.thickness = 0;
+  EXPECT_EQ(jsonOf(formats::encodePack(pack, {}, "pack"))["extensionsUsed"].size(), used.size() - 2);
+  translucency.fallback.thickness = 3;
+  translucency.fallback.attenuation = {0, 0, 0};
+  const formats::Json clear = jsonOf(formats::encodePack(pack, {}, "pack"));
+  EXPECT_EQ(clear["materials"][0]["extensions"]["KHR_materials_volume"].size(), 1U);
+}
+
 TEST(TranslucentPack, EveryTableIsCompared) {
   const formats::Pack pack = tests::translucentPack(24, tests::mediumOf(2.5), 2, 0.5F);
   EXPECT_TRUE(formats::comparePacks(pack, pack, {}).passes());
@@ -116,6 +169,9 @@ TEST(TranslucentPack, EveryTableIsCompared) {
     changed(other.appearances.front().reflection.as<T>()->*table);
     EXPECT_FALSE(formats::comparePacks(other, pack, {}).passes());
   }
+  formats::Pack thicker = pack;
+  thicker.appearances.front().reflection.as<T>()->fallback.thickness += 1;
+  EXPECT_FALSE(formats::comparePacks(thicker, pack, {}).passes());
   for (formats::SparseRows T::*matrix : {&T::sharpen, &T::near}) {
     formats::Pack other = pack;
     changed((other.appearances.front().reflection.as<T>()->*matrix).values);

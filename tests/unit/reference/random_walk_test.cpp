@@ -11,6 +11,7 @@
 #include "transport/diffusion.h"
 #include "transport/gauss_legendre.h"
 #include "transport/random.h"
+#include "transport/slab.h"
 
 namespace bakelight::tests {
 namespace {
@@ -122,6 +123,18 @@ TEST(AddingDoubling, HasPublishedFiguresAndConverges) {
       const Layer coarse(kThick, albedo, 0, relative_ior, kNodes),
           fine(kThick, albedo, 0, relative_ior, 3 * kNodes / 2);
       EXPECT_NEAR(coarse.reflected(), fine.reflected(), 2e-5) << albedo << " " << relative_ior;
+    }
+}
+
+// What diffusion says of layers that scatter much is transport's answer within some percent; thin ones keep what is not scattered.
+TEST(AddingDoubling, IsNearDiffusionsLayers) {
+  for (const double albedo : {1.0, 0.999, 0.99})
+    for (const double thickness : {0.5, 2.0, 8.0, 32.0}) {
+      const transport::SlabTransmission slab =
+          transport::slabTransmission({albedo, 1 - albedo, 1}, thickness);
+      const double found = slab.unabsorbed * std::exp(-slab.attenuation * thickness);
+      EXPECT_NEAR(found / Layer(thickness, albedo, 0, 1, kNodes).transmitted(), 1, 0.05)
+          << albedo << " " << thickness;
     }
 }
 

@@ -1,1 +1,1 @@
-bakelight_test(diffusion_test SOURCES diffusion_test.cpp medium_field_test.cpp LIBRARIES bakelight_transport)
+bakelight_test(diffusion_test SOURCES diffusion_test.cpp medium_field_test.cpp slab_test.cpp LIBRARIES bakelight_transport)
