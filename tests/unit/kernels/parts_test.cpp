@@ -63,7 +63,7 @@ TEST(Throughput, DroppedFactorsAreTold) {
   const Reflectance reflectance(field, 21, 0.1, 0.1);
   const Throughput all(knots, reflectance, {.threshold = 0, .hierarchical = false});
   const Throughput few(knots, reflectance, {.threshold = 1e-4, .hierarchical = false});
-  EXPECT_EQ(all.figures().dropped_share, 0);
+  EXPECT_LT(all.figures().dropped_share, 1e-5);  // what lies beyond the reach of factors
   EXPECT_LT(few.near().columns.size(), all.near().columns.size());
   std::vector<Rgb> power;
   for (const double area : knots.areas) power.push_back(Rgb::Constant(static_cast<float>(area)));
