@@ -35,6 +35,17 @@ double diagonalOf(const Knots& knots) {
   return (high - low).norm();
 }
 
+// That of a spacing; where R_d is so faint that half floats would lose it, as much as makes its factors near 1.
+double areaUnit(const Knots& knots, const Throughput& throughput) {
+  constexpr double kFaint = 1e-2, kLeastArea = 1e-300, kMostArea = 1e30;
+  float greatest = 0;
+  for (const Matrix* matrix : {&throughput.near(), &throughput.far()})
+    for (const float value : matrix->values) greatest = std::max(greatest, std::abs(value));
+  const double area = std::max(knots.meanSpacing() * knots.meanSpacing(), kLeastArea);
+  const double factor = static_cast<double>(greatest) * area;
+  return factor > 0 && factor < kFaint ? std::min(area / factor, kMostArea) : area;
+}
+
 void takeTexels(const Texels& texels, const Knots& knots, const Blending& blending,
                 formats::Translucency& result) {
   result.resolution = texels.resolution;
@@ -102,8 +113,7 @@ Made makeTranslucency(const formats::TriangleMesh& mesh, const std::filesystem::
   figures.seconds["blend"] = blending.fit_seconds;
   figures.seconds["kernels"] = blending.kernel_seconds;
 
-  const double mean_area = std::max(knots.meanSpacing() * knots.meanSpacing(), 1e-300);
-  result.area_unit = static_cast<float>(mean_area);
+  result.area_unit = static_cast<float>(areaUnit(knots, throughput));
   result.eta = static_cast<float>(medium.eta);
   result.fallback = fallbackOf(mesh, medium);
   result.knot_count = static_cast<int>(knots.count());

@@ -131,10 +131,15 @@ TEST(Fallback, IsWhatALayerOfTheMediumDoes) {
   EXPECT_NEAR(fallback.transmission_color[1], green / red, 0.003);
   EXPECT_EQ(fallback.reflectance[0], 1);
   EXPECT_EQ(fallback.attenuation[1], 0);
-  // The dipole's total, and nearly √(3 σa σt′), in 1/unit.
+  // The dipole's total, and what a layer of 10 mean free paths lets through.
   const double albedo = 0.8, s = std::sqrt(3 * (1 - albedo));
   EXPECT_NEAR(fallback.reflectance[2], albedo / 2 * (1 + std::exp(-4.0 / 3 * s)) * std::exp(-s), 1e-6);
-  EXPECT_NEAR(fallback.attenuation[2] / (0.5 * std::sqrt(3 * 0.5 * 2.5)), 1, 0.15);
+  // What is scattered, and what is not.
+  const double through =
+      albedo * std::cosh(s * 2 / 3) * std::sinh(s * 5 / 3) / std::sinh(s * (10 + 4.0 / 3)) + std::exp(-10);
+  EXPECT_NEAR(fallback.transmission * fallback.transmission_color[2] *
+                  std::exp(-fallback.attenuation[2] * fallback.thickness) / through,
+              1, 0.02);
 }
 
 TEST(KernelsFile, ComesBackAsItWas) {
