@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <stdexcept>
 
@@ -23,12 +24,9 @@ std::pair<Corners, std::size_t> leastFirst(const Corners& corners) {
   return {{corners[first], corners[(first + 1) % 3], corners[(first + 2) % 3]}, first};
 }
 
-// Of places that a texel consists of.
-struct Seen {
-  Eigen::Array3d least = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity()),
-                 most = Eigen::Array3d::Zero(), sum = Eigen::Array3d::Zero();
-  void add(const Eigen::Array3d& light) { least = least.min(light), most = most.max(light), sum += light; }
-  bool isEven() const { return (most - least <= 0.1 * most).all(); }
+// At a place of a texel: what enters, and what would fall on it if it faced the light.
+struct Light {
+  Eigen::Array3d entering = Eigen::Array3d::Zero(), facing = Eigen::Array3d::Zero();
 };
 
 // Across and down from the middle of a texel, in texels.
@@ -140,8 +138,7 @@ void TexelIrradiance::walk(std::uint32_t& triangle, double& u, double& v) const 
 std::vector<Float3> TexelIrradiance::entering(std::span<const PlacedPunctualLight> lights,
                                               const Occlusion& occluded) const {
   std::vector<Float3> result(texels_.size(), Float3{0, 0, 0});
-  const auto at = [&](const Texel& texel, const PlacedPunctualLight& light,
-                      const Place& place) -> Eigen::Array3d {
+  const auto at = [&](const Texel& texel, const PlacedPunctualLight& light, const Place& place) -> Light {
     const Surroundings& steps = triangles_[texel.triangle];
     const auto [across, down] = place;
     std::uint32_t triangle = texel.triangle;
@@ -153,24 +150,29 @@ std::vector<Float3> TexelIrradiance::entering(std::span<const PlacedPunctualLigh
     const double distance = way.norm();
     const Vec3 direction = way / distance;
     const double cosine = point.normal.dot(direction);
-    if (!(cosine > 0)) return Eigen::Array3d::Zero();
-    const Eigen::Array3d light_here =
-        light.irradianceFacing(origin) * (cosine * schlickTransmittance(cosine, eta_));
-    if ((light_here == 0).all() || occluded(origin, direction, distance)) return Eigen::Array3d::Zero();
-    return light_here;
+    const Eigen::Array3d facing = light.irradianceFacing(origin);
+    if (!(cosine > 0)) return {Eigen::Array3d::Zero(), facing};  // its shadow is no edge
+    if ((facing == 0).all() || occluded(origin, direction, distance)) return {};
+    return {facing * (cosine * schlickTransmittance(cosine, eta_)), facing};
   };
   const std::array<Place, kPlaces> places = evenPlaces();
   tbb::parallel_for(std::size_t{0}, texels_.size(), [&](std::size_t t) {
     Eigen::Array3d sum = Eigen::Array3d::Zero();
     for (const PlacedPunctualLight& light : lights) {
-      Seen corners, all;
-      for (const Place& place : kCorners) corners.add(at(texels_[t], light, place));
-      if (corners.isEven()) {
-        sum += corners.sum / static_cast<double>(kCorners.size());
+      Eigen::Array3d of_corners = Eigen::Array3d::Zero(), of_places = Eigen::Array3d::Zero(),
+                     least = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity()),
+                     most = Eigen::Array3d::Zero();
+      for (const Place& place : kCorners) {
+        const Light here = at(texels_[t], light, place);
+        of_corners += here.entering;
+        least = least.min(here.facing), most = most.max(here.facing);
+      }
+      if ((most - least <= 0.1 * most).all()) {
+        sum += of_corners / static_cast<double>(kCorners.size());
         continue;
       }
-      for (const Place& place : places) all.add(at(texels_[t], light, place));
-      sum += all.sum / static_cast<double>(kPlaces);
+      for (const Place& place : places) of_places += at(texels_[t], light, place).entering;
+      sum += of_places / static_cast<double>(kPlaces);
     }
     result[t] = float3(sum.matrix());
   });

@@ -20,8 +20,9 @@ class TexelIrradiance {
 
   // Mean over each texel of irradiance × Schlick's transmittance, in the order of Translucency::texels. Cosines are those of
   // interpolated normals; rays start where they would from a smooth surface through the vertices (smoothPoint), so that no triangle
-  // shadows itself where the surface turns away from the light, nor is lit from behind. Where a texel's corners agree in shadow, and
-  // within a tenth in light, it has their mean; others, which an edge of light goes through, that of kPlaces places. Cost: 4 or 4 + kPlaces
+  // shadows itself where the surface turns away from the light, nor is lit from behind. Where a texel's corners agree in shadow,
+  // and within a tenth in what they would get if they faced the light, it has their mean; others, which an edge of light goes
+  // through, that of kPlaces places. Cost: 4 or 4 + kPlaces
   // rays for each light. On all TBB threads, same bytes for any number.
   std::vector<Float3> entering(std::span<const PlacedPunctualLight> lights, const Occlusion& occluded) const;
   static constexpr std::size_t kPlaces = 16;

@@ -111,7 +111,8 @@ bool occluded(vec3 origin, vec3 normal) {
   return seen < expected - 0.25 * texel_size;
 }
 
-vec3 lightAt(Texel texel, vec2 place) {
+// What enters at a place, and what would fall on it if it faced the light.
+vec3 lightAt(Texel texel, vec2 place, out vec3 facing) {
   uint triangle = texel.triangle;
   float u = texel.u + place.x * triangles[triangle].across[0] + place.y * triangles[triangle].down[0];
   float v = texel.v + place.x * triangles[triangle].across[1] + place.y * triangles[triangle].down[1];
@@ -134,22 +135,25 @@ vec3 lightAt(Texel texel, vec2 place) {
 
   vec3 way = light_position - origin;
   float distance = length(way), cosine = dot(normal, way) / distance;
-  if (!(distance > 0.0) || !(cosine > 0.0)) return vec3(0.0);
+  facing = distance > 0.0 ? intensityTowards(-way / distance) / (distance * distance) : vec3(0.0);
+  if (!(cosine > 0.0)) return vec3(0.0);  // its shadow is no edge
+  if (facing == vec3(0.0) || occluded(origin, normal)) {
+    facing = vec3(0.0);
+    return facing;
+  }
   float transmittance = (1.0 - normal_reflectance) * (1.0 - pow(1.0 - min(cosine, 1.0), 5.0));
-  vec3 light = intensityTowards(-way / distance) / (distance * distance) * (cosine * transmittance);
-  return light == vec3(0.0) || occluded(origin, normal) ? vec3(0.0) : light;
+  return facing * (cosine * transmittance);
 }
 
 void main() {
   uint t = gl_GlobalInvocationID.x;
   if (t >= count) return;
   Texel texel = texels[t];
-  vec3 least = vec3(0.0), most = vec3(0.0), sum = vec3(0.0);
+  vec3 least = vec3(0.0), most = vec3(0.0), sum = vec3(0.0), facing;
   for (int i = 0; i < 4; ++i) {
-    vec3 light = lightAt(texel, kCorner * vec2((i & 1) * 2 - 1, (i >> 1) * 2 - 1));
-    least = i == 0 ? light : min(least, light);
-    most = max(most, light);
-    sum += light;
+    sum += lightAt(texel, kCorner * vec2((i & 1) * 2 - 1, (i >> 1) * 2 - 1), facing);
+    least = i == 0 ? facing : min(least, facing);
+    most = max(most, facing);
   }
   if (all(lessThanEqual(most - least, 0.1 * most))) {
     sum /= 4.0;
@@ -157,7 +161,8 @@ void main() {
     sum = vec3(0.0);
     for (int i = 0; i < kPlaces; ++i)
       sum += lightAt(texel, vec2((float(i) + 0.5) / float(kPlaces),
-                                 (float(bitfieldReverse(uint(i)) >> 28) + 0.5) / float(kPlaces)) - 0.5);
+                                 (float(bitfieldReverse(uint(i)) >> 28) + 0.5) / float(kPlaces)) - 0.5,
+                     facing);
     sum /= float(kPlaces);
   }
   for (uint c = 0u; c < 3u; ++c) entering[3u * t + c] += sum[c];
