@@ -3,7 +3,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <numeric>
 #include <stdexcept>
 
 namespace bakelight::transport {
@@ -17,35 +16,10 @@ std::vector<std::uint32_t> words(const formats::IntegerArray& list) {
   return {span.begin(), span.end()};
 }
 
-void require(bool holds) {
-  if (!holds) throw std::invalid_argument("a translucent object's tables do not fit each other");
-}
-
 }  // namespace
 
 TranslucentResponse::Matrix TranslucentResponse::decoded(const formats::SparseRows& rows) {
-  Matrix matrix{words(rows.ends), words(rows.columns), rows.values.decode(), rows.values.columns};
-  require(matrix.values.size() == matrix.columns.size() * matrix.value_columns &&
-          (matrix.ends.empty() ? matrix.columns.empty() : matrix.ends.back() == matrix.columns.size()));
-  return matrix;
-}
-
-TranslucentResponse::Matrix TranslucentResponse::Matrix::transposed(std::size_t columns_of_matrix) const {
-  Matrix result;
-  result.value_columns = value_columns;
-  std::vector<std::uint32_t> next(columns_of_matrix + 1, 0);
-  for (const std::uint32_t c : columns) ++next[c + 1];
-  std::partial_sum(next.begin(), next.end(), next.begin());
-  result.ends.assign(next.begin() + 1, next.end());
-  result.columns.resize(columns.size());
-  result.values.resize(values.size());
-  for (std::size_t r = 0, e = 0; r < ends.size(); ++r)
-    for (; e < ends[r]; ++e) {
-      const std::uint32_t place = next[columns[e]]++;
-      result.columns[place] = static_cast<std::uint32_t>(r);
-      std::copy_n(&values[e * value_columns], value_columns, &result.values[place * value_columns]);
-    }
-  return result;
+  return {words(rows.ends), words(rows.columns), rows.values.decode(), rows.values.columns};
 }
 
 std::vector<Float3> TranslucentResponse::Matrix::times(std::span<const Float3> x) const {
@@ -63,56 +37,21 @@ std::vector<Float3> TranslucentResponse::Matrix::times(std::span<const Float3> x
   return y;
 }
 
-TranslucentResponse::TranslucentResponse(const formats::Translucency& t)
-    : resolution_(t.resolution),
-      texels_(words(t.texels)),
-      receivers_(words(t.receivers)),
-      texel_knots_(words(t.texel_knots)),
-      areas_(t.areas.decode()),
-      sharpen_(decoded(t.sharpen)),
-      near_(decoded(t.near)),
-      spread_(decoded(t.spread)),
-      far_(decoded(t.far)) {
-  const std::size_t count = texels_.size();
-  const std::vector<float> weights = t.texel_weights.decode(), blend = t.blend.decode();
-  require(weights.size() == 2 * count && blend.size() == 9 * count && areas_.size() == count &&
-          texel_knots_.size() == 3 * count);
-  for (std::size_t i = 0; i < count; ++i)
-    weights_.push_back({1 - weights[2 * i] - weights[2 * i + 1], weights[2 * i], weights[2 * i + 1]});
-
-  // What each texel gives, by knot.
-  const auto knots = static_cast<std::size_t>(t.knot_count);
-  require(sharpen_.ends.size() == knots && near_.ends.size() == knots);
-  std::vector<std::uint32_t> next(knots + 1, 0);
-  for (std::size_t i = 0; i < count; ++i)
-    if (areas_[i] > 0)
-      for (std::size_t k = 0; k < 3; ++k) ++next[texel_knots_[3 * i + k] + 1];
-  std::partial_sum(next.begin(), next.end(), next.begin());
-  gift_ends_.assign(next.begin() + 1, next.end());
-  gifts_.resize(next.back());
-  for (std::size_t i = 0; i < count; ++i)
-    if (areas_[i] > 0)
-      for (std::size_t k = 0; k < 3; ++k) {
-        const float* b = &blend[9 * i + 3 * k];
-        gifts_[next[texel_knots_[3 * i + k]]++] = {
-            static_cast<std::uint32_t>(i), weights_[i][k] * areas_[i], {b[0], b[1], b[2]}};
-      }
-  sharpen_transposed_ = sharpen_.transposed(knots);
-  spread_transposed_ = spread_.transposed(static_cast<std::size_t>(t.far_count));
-
-  kernels_ = t.kernels.decode();
-  if (t.components > 0) {
-    const auto components = static_cast<std::size_t>(t.components);
-    require(kernels_.size() == receivers_.size() * components && t.basis.size() == components * kValues);
-    std::vector<float> expanded(receivers_.size() * kValues, 0);
-    tbb::parallel_for(std::size_t{0}, receivers_.size(), [&](std::size_t r) {
-      for (std::size_t c = 0; c < components; ++c)
-        for (std::size_t v = 0; v < kValues; ++v)
-          expanded[r * kValues + v] += kernels_[r * components + c] * t.basis[c * kValues + v];
-    });
-    kernels_ = std::move(expanded);
-  }
-  require(kernels_.size() == receivers_.size() * kValues);
+TranslucentResponse::TranslucentResponse(const formats::Translucency& t) : resolution_(t.resolution) {
+  requireFit(t);
+  texels_ = words(t.texels);
+  receivers_ = words(t.receivers);
+  texel_knots_ = words(t.texel_knots);
+  weights_ = knotWeights(t);
+  kernels_ = expandedKernels(t);
+  gifts_ = giftsOf(t);
+  sharpen_ = decoded(t.sharpen);
+  sharpen_transposed_ = decoded(transposed(t.sharpen, static_cast<std::size_t>(t.knot_count)));
+  near_ = decoded(t.near);
+  if (t.far_count == 0) return;
+  spread_ = decoded(t.spread);
+  spread_transposed_ = decoded(transposed(t.spread, static_cast<std::size_t>(t.far_count)));
+  far_ = decoded(t.far);
 }
 
 std::vector<Float3> TranslucentResponse::interpolated(std::span<const Float3> at_knots) const {
@@ -127,11 +66,11 @@ std::vector<Float3> TranslucentResponse::interpolated(std::span<const Float3> at
 
 std::vector<Float3> TranslucentResponse::atKnots(std::span<const Float3> entering) const {
   if (entering.size() != texels_.size()) throw std::invalid_argument("light is not one value a texel");
-  std::vector<Float3> power(gift_ends_.size()), given(gift_ends_.size());
-  tbb::parallel_for(std::size_t{0}, gift_ends_.size(), [&](std::size_t k) {
+  std::vector<Float3> power(gifts_.ends.size()), given(gifts_.ends.size());
+  tbb::parallel_for(std::size_t{0}, gifts_.ends.size(), [&](std::size_t k) {
     Float3 e{}, d{};
-    for (std::size_t g = k == 0 ? 0 : gift_ends_[k - 1]; g < gift_ends_[k]; ++g) {
-      const Gift& gift = gifts_[g];
+    for (std::size_t g = k == 0 ? 0 : gifts_.ends[k - 1]; g < gifts_.ends[k]; ++g) {
+      const Gift& gift = gifts_.gifts[g];
       for (std::size_t c = 0; c < 3; ++c) {
         e[c] += gift.power * entering[gift.texel][c];
         d[c] += gift.blend[c] * entering[gift.texel][c];
@@ -153,7 +92,7 @@ std::vector<Float3> TranslucentResponse::atKnots(std::span<const Float3> enterin
 
 std::vector<Float3> TranslucentResponse::respond(std::span<const Float3> entering, Branches branches) const {
   const std::vector<Float3> at_knots =
-      branches == Branches::kLocal ? std::vector<Float3>(gift_ends_.size()) : atKnots(entering);
+      branches == Branches::kLocal ? std::vector<Float3>(gifts_.ends.size()) : atKnots(entering);
   std::vector<Float3> picture;  // with a margin, so that no window leaves it
   const std::size_t width = static_cast<std::size_t>(resolution_) + 2 * kReach;
   if (branches != Branches::kGlobal) {

@@ -8,6 +8,7 @@
 
 #include "formats/translucency.h"
 #include "formats/triangle_mesh.h"
+#include "transport/translucent_tables.h"
 
 namespace bakelight::transport {
 
@@ -38,22 +39,14 @@ class TranslucentResponse {
     std::vector<float> values;
     std::size_t value_columns = 1;
     std::vector<Float3> times(std::span<const Float3> x) const;
-    Matrix transposed(std::size_t columns_of_matrix) const;
   };
   static Matrix decoded(const formats::SparseRows& rows);
 
   int resolution_;
   std::vector<std::uint32_t> texels_, receivers_, texel_knots_;
   std::vector<Float3> weights_;  // of the three knots
-  std::vector<float> areas_, kernels_;
-  // Texels by knot: what each gives to it, in the order of texels.
-  struct Gift {
-    std::uint32_t texel;
-    float power;
-    Float3 blend;
-  };
-  std::vector<std::uint32_t> gift_ends_;
-  std::vector<Gift> gifts_;
+  std::vector<float> kernels_;
+  Gifts gifts_;
   Matrix sharpen_, sharpen_transposed_, near_, spread_, spread_transposed_, far_;
 };
 

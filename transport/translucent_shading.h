@@ -26,8 +26,6 @@ class TranslucentShading final : public PackShading {
   // Transfer vectors hold what the surface lets in already; where spherical harmonics ring below 0, nothing enters. On all TBB threads; same bytes for any number.
   void setLight(std::span<const Float3> distant, std::span<const Float3> near) override;
   void setPunctualLights(std::span<const PlacedPunctualLight> lights, const Occlusion& occluded) override;
-  // The same of what enters at each texel, in the order of Translucency::texels, as someone else has worked it out; empty: nothing.
-  void setPunctualLight(std::vector<Float3> entering) { punctual_ = std::move(entering); }
   void setView(const ViewPoint& view) override { eye_ = view.eye; }
   void radianceAt(std::span<const SurfaceHit> hits, std::span<Float3> radiance) const override;
 

@@ -15,6 +15,7 @@
 #include "tests/support/made_translucent_pack.h"
 #include "transport/lights.h"
 #include "transport/texture_frames.h"
+#include "transport/translucent_tables.h"
 
 namespace bakelight::tests {
 namespace {
@@ -108,6 +109,23 @@ TEST_F(PlayerAgainstCpu, TranslucentObjects) {
     settings.pitch_deg = pitch;
     compare(pack, settings, sky());
   }
+}
+
+// By near vectors where there are emitters; tables as packs have them without far knots and without components of kernels.
+TEST_F(PlayerAgainstCpu, TranslucentObjectsByEmittersWithFewerTables) {
+  formats::Pack pack = translucentPack(64, mediumOf(2.5), 4, 0.5F);
+  auto& translucency = *formats::reflectionOf(pack).as<formats::Translucency>();
+  ASSERT_GT(translucency.components, 0);
+  translucency.kernels =
+      formats::encodeTable(transport::expandedKernels(translucency), std::size_t{3} * formats::kKernelTexels,
+                           formats::Precision::kFloat32, "", "");
+  translucency.components = 0, translucency.basis.clear();
+  translucency.far_count = 0, translucency.spread = {}, translucency.far = {};
+  formats::FrameSettings settings = kSmall;
+  settings.pitch_deg = 60;
+  compare(pack, settings, rig(R"({"units": "object",
+    "lights": [{"type": "disk", "direction": [1, 2, 0.5], "half_angle_deg": 20, "radiance": [3, 2.5, 2]}],
+    "emitters": [{"shape": "sphere", "position": [1, 1.5, 1], "radius": 0.4, "radiance": [6, 8, 12]}]})"));
 }
 
 // A plate with a ridge, behind which low lights throw shadows: from outside, where one view sees the plate, and from so near that it takes a

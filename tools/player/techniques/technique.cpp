@@ -35,8 +35,8 @@ std::vector<PlayedTechnique>& techniques() {
          return std::make_unique<AllFrequency>(pack, mesh);
        }},
       {"translucent", Translucent::plays, Translucent::needs,
-       [](const formats::Pack& pack, const SurfaceMesh& mesh, bool) -> std::unique_ptr<Technique> {
-         return std::make_unique<Translucent>(pack, mesh);
+       [](const formats::Pack& pack, const SurfaceMesh& mesh, bool near_light) -> std::unique_ptr<Technique> {
+         return std::make_unique<Translucent>(pack, mesh, near_light);
        }},
   };
   return techniques;

@@ -1,11 +1,12 @@
 #include "tools/player/techniques/translucent.h"
 
-#include <utility>
+#include <stdexcept>
 #include <vector>
 
 #include "tools/player/gl/gl_context.h"
 #include "tools/player/gl/gl_program.h"
 #include "tools/player/gl/gpu_timer.h"
+#include "transport/translucent_shading.h"
 
 namespace bakelight::player {
 namespace {
@@ -17,13 +18,24 @@ Buffer bufferOf(const auto& values) {
   return makeBuffer(values.size() * sizeof(values[0]), values.data());
 }
 
-std::vector<transport::Float3> coefficientsOf(const GpuLight& light, int order) {
-  std::vector<formats::Float4> padded(static_cast<std::size_t>(order) * order);
-  glGetNamedBufferSubData(light.sh.name(), 0, static_cast<GLsizeiptr>(padded.size() * sizeof(padded[0])),
-                          padded.data());
-  std::vector<transport::Float3> coefficients;
-  for (const formats::Float4& c : padded) coefficients.push_back({c[0], c[1], c[2]});
-  return coefficients;
+// The share of exit radiance of each vertex that passes.
+std::vector<formats::Float3> stainOf(const formats::Pack& pack) {
+  std::vector<formats::Float3> stain = pack.colors;
+  stain.resize(pack.mesh.vertexCount(), {1, 1, 1});
+  for (formats::Float3& color : stain)
+    for (std::size_t c = 0; c < 3; ++c) color[c] *= pack.appearances.front().base_color[c];
+  return stain;
+}
+
+const formats::Translucency& translucencyOf(const formats::Pack& pack) {
+  const auto& translucency = *pack.appearances.at(0).reflection.as<formats::Translucency>();
+  const std::size_t count = pack.mesh.vertexCount();
+  if (pack.mesh.normals.size() != count || pack.mesh.texcoords.size() != count ||
+      translucency.knots.size() != count || pack.sh().vectors.rows != count ||
+      (!pack.colors.empty() && pack.colors.size() != count))
+    throw std::invalid_argument(
+        "a translucent pack needs normal, texture coordinates, knot and transfer of each vertex");
+  return translucency;
 }
 
 }  // namespace
@@ -40,19 +52,26 @@ transport::LightNeeds Translucent::needs(const formats::Pack& pack) {
   return needs;
 }
 
-Translucent::Translucent(const formats::Pack& pack, const SurfaceMesh& mesh)
-    : shading_(pack),
+Translucent::Translucent(const formats::Pack& pack, const SurfaceMesh& mesh, bool near_light)
+    : eta_(static_cast<double>(translucencyOf(pack).eta)),
       origin_(mesh.origin()),
       normals_(bufferOf(pack.mesh.normals)),
       texcoords_(bufferOf(pack.mesh.texcoords)),
-      stain_(bufferOf(shading_.stain())),
+      stain_(bufferOf(stainOf(pack))),
+      vectors_(pack.sh().vectors),
+      distant_(vectors_, pack.sh().order, pack.sh().channels, {}, false),
       texel_light_(pack, mesh, normals_),
-      radiosity_(makeTexture(GL_RGBA32F, shading_.resolution(), shading_.resolution())),
+      response_(pack),
       program_(
           makeProgram({{GL_VERTEX_SHADER, {kTranslucentVert}}, {GL_FRAGMENT_SHADER, {kTranslucentFrag}}})),
       vertices_(makeVertexArray(mesh.indices(),
                                 {{kPosition, &mesh.positions()}, {kNormal, &normals_}, {kStain, &stain_}})),
       index_count_(mesh.indexCount()) {
+  if (near_light) {
+    if (pack.sh().near_field) near_vectors_ = GpuTable(pack.sh().near_field->vectors);
+    near_.emplace(near_vectors_.empty() ? vectors_ : near_vectors_, pack.sh().order, pack.sh().channels,
+                  Albedo{}, true);
+  }
   const GLuint name = vertices_.name();
   glVertexArrayVertexBuffer(name, kTexcoord, texcoords_.name(), 0, sizeof(formats::Float2));
   glEnableVertexArrayAttrib(name, kTexcoord);
@@ -62,17 +81,19 @@ Translucent::Translucent(const formats::Pack& pack, const SurfaceMesh& mesh)
 }
 
 void Translucent::setLight(const GpuLight& distant, const GpuLight* near) {
-  const std::uint64_t near_revision = near == nullptr ? kNone : near->revision;
-  if (distant.revision == distant_revision_ && near_revision == near_revision_ && !punctual_is_new_) return;
+  if (near_ && near == nullptr) throw std::invalid_argument("near light is missing");
+  const std::uint64_t near_revision = near_ ? near->revision : kNone;
+  const bool distant_is_new = distant.revision != distant_revision_;
+  if (!distant_is_new && near_revision == near_revision_ && !punctual_is_new_) return;
+  {
+    const GpuPass pass("illumination");
+    if (distant_is_new) distant_.evaluate(distant.sh);
+    if (near_ && (distant_is_new || near_revision != near_revision_))
+      near_->evaluate(near->sh, &distant_.buffer());
+  }
+  response_.respond((near_ ? *near_ : distant_).buffer(), has_punctual_ ? &punctual_ : nullptr);
   distant_revision_ = distant.revision, near_revision_ = near_revision;
-  if (std::exchange(punctual_is_new_, false)) takePunctualLight();
-  const int order = shading_.needs().sh_order;
-  const std::vector<transport::Float3> near_light =
-      near == nullptr ? std::vector<transport::Float3>() : coefficientsOf(*near, order);
-  shading_.setLight(coefficientsOf(distant, order), near_light);
-  glTextureSubImage2D(radiosity_.name(), 0, 0, 0, shading_.resolution(), shading_.resolution(), GL_RGBA,
-                      GL_FLOAT, shading_.radiosity().data());
-  throwIfGlFailed("lighting a translucent object");
+  punctual_is_new_ = false;
 }
 
 void Translucent::setPunctualLights(std::span<const transport::PlacedPunctualLight> lights) {
@@ -86,35 +107,26 @@ void Translucent::setPunctualLights(std::span<const transport::PlacedPunctualLig
   punctual_is_new_ = true;
 }
 
-void Translucent::takePunctualLight() {
-  std::vector<transport::Float3> entering(has_punctual_ ? texel_light_.texelCount() : 0);
-  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  if (has_punctual_)
-    glGetNamedBufferSubData(punctual_.name(), 0,
-                            static_cast<GLsizeiptr>(entering.size() * sizeof(entering[0])), entering.data());
-  shading_.setPunctualLight(std::move(entering));
-}
-
 void Translucent::lookFrom(const transport::ViewPoint& view) {
   eye_ = view.eye - origin_;
 }
 
 void Translucent::draw(const Eigen::Matrix4f& clip_from_position) const {
   const GpuPass pass("surface");
-  const double eta = shading_.relativeIor();
   glUseProgram(program_.name());
   glUniformMatrix4fv(kClipFromPosition, 1, GL_FALSE, clip_from_position.data());
   const Eigen::Vector3f eye = eye_.cast<float>();
   glUniform3fv(kEye, 1, eye.data());
-  glUniform1f(kNormalReflectance, static_cast<float>((eta - 1) * (eta - 1) / ((eta + 1) * (eta + 1))));
-  glBindTextureUnit(0, radiosity_.name());
+  glUniform1f(kNormalReflectance, static_cast<float>((eta_ - 1) * (eta_ - 1) / ((eta_ + 1) * (eta_ + 1))));
+  glBindTextureUnit(0, response_.radiosity().name());
   glBindVertexArray(vertices_.name());
   glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
 }
 
 std::size_t Translucent::gpuBytes() const {
   return sizeInBytes(normals_) + sizeInBytes(texcoords_) + sizeInBytes(stain_) + sizeInBytes(punctual_) +
-         texel_light_.gpuBytes() + shading_.radiosity().size() * sizeof(formats::Float4);
+         vectors_.gpuBytes() + near_vectors_.gpuBytes() + sizeInBytes(distant_.buffer()) +
+         (near_ ? sizeInBytes(near_->buffer()) : 0) + texel_light_.gpuBytes() + response_.gpuBytes();
 }
 
 }  // namespace bakelight::player
