@@ -1,4 +1,4 @@
-// A light rig: everything that shines on an object, as a small JSON file (docs/FORMATS.md). Distant lights
+// A light rig: everything that shines on an object, as a small JSON file (docs/LIGHTS.md). Distant lights
 // are seen alike from everywhere; emitters are bodies in the object's space, which the near-field runtime
 // renders; punctual lights are points in the object's space that cast sharp shadows.
 #pragma once

@@ -1,4 +1,4 @@
-// Light rigs on disk (docs/FORMATS.md has the keys).
+// Light rigs on disk (docs/LIGHTS.md has the keys).
 #pragma once
 
 #include <filesystem>
