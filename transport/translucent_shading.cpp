@@ -28,7 +28,36 @@ std::vector<std::uint32_t> placesOf(const formats::Translucency& translucency) {
   return places;
 }
 
+formats::EncodedTable blackTable(std::size_t rows, std::size_t columns) {
+  return {
+      formats::Precision::kFloat32, rows, columns, formats::Bytes(rows * columns * sizeof(float)), {}, {}};
+}
+
+formats::SparseRows emptyRows(std::size_t rows, std::size_t value_columns) {
+  return {formats::integersOf(std::vector<std::uint32_t>(rows, 0)), {4, {}}, blackTable(0, value_columns)};
+}
+
 }  // namespace
+
+formats::Pack withBranches(formats::Pack pack, TranslucentResponse::Branches branches) {
+  if (branches == TranslucentResponse::Branches::kBoth) return pack;
+  if (!TranslucentShading::shades(pack))
+    throw std::invalid_argument("a pack that is not translucent has no branches");
+  auto& t = *pack.appearances.front().reflection.as<formats::Translucency>();
+  if (branches == TranslucentResponse::Branches::kGlobal) {
+    t.components = 1;
+    t.basis.assign(std::size_t{3} * formats::kKernelTexels, 0.0F);
+    t.kernels = blackTable(t.receiverCount(), 1);
+    return pack;
+  }
+  const auto knots = static_cast<std::size_t>(t.knot_count);
+  t.areas = blackTable(t.texelCount(), 1);
+  t.blend = blackTable(t.texelCount(), 9);
+  t.sharpen = emptyRows(knots, 1);
+  t.near = emptyRows(knots, 3);
+  t.far_count = 0, t.spread = {}, t.far = {};
+  return pack;
+}
 
 bool TranslucentShading::shades(const formats::Pack& pack) {
   return pack.transfer.as<formats::ShTransfer>() != nullptr && pack.appearances.size() == 1 &&
@@ -80,7 +109,7 @@ void TranslucentShading::setLight(std::span<const Float3> distant, std::span<con
     for (float& value : texel) value = std::max(std::numbers::pi_v<float> * value, 0.0F);
   for (std::size_t t = 0; t < punctual_.size(); ++t)
     for (std::size_t c = 0; c < 3; ++c) entering[t][c] += punctual_[t][c];
-  const std::vector<Float3> leaving = response_.respond(entering, branches_);
+  const std::vector<Float3> leaving = response_.respond(entering);
   for (std::size_t r = 0; r < places_.size(); ++r)
     radiosity_[places_[r]] = {leaving[r][0], leaving[r][1], leaving[r][2], 1};
 }

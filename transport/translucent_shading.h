@@ -7,11 +7,21 @@
 #include <vector>
 
 #include "formats/pack_contents.h"
+#include "formats/words.h"
 #include "transport/pack_shading.h"
 #include "transport/texel_irradiance.h"
 #include "transport/translucent_response.h"
 
 namespace bakelight::transport {
+
+inline constexpr formats::Word<TranslucentResponse::Branches> kTranslucentBranches[] = {
+    {"both", TranslucentResponse::Branches::kBoth},
+    {"local", TranslucentResponse::Branches::kLocal},
+    {"global", TranslucentResponse::Branches::kGlobal}};
+
+// One branch on its own, to compare (Lensch et al. 2002, figure 7): the pack without what the other adds. Throws std::invalid_argument
+// for a pack that TranslucentShading does not shade, unless `branches` are both.
+formats::Pack withBranches(formats::Pack pack, TranslucentResponse::Branches branches);
 
 class TranslucentShading final : public PackShading {
  public:
@@ -29,7 +39,6 @@ class TranslucentShading final : public PackShading {
   void setView(const ViewPoint& view) override { eye_ = view.eye; }
   void radianceAt(std::span<const SurfaceHit> hits, std::span<Float3> radiance) const override;
 
-  void setBranches(TranslucentResponse::Branches branches) { branches_ = branches; }
   int resolution() const { return resolution_; }
   double relativeIor() const { return eta_; }
   // Radiosity below the surface, resolution² texels, rows from the top: RGB, and 1 where there is any, else 0. Pictures take
@@ -51,7 +60,6 @@ class TranslucentShading final : public PackShading {
   TranslucentResponse response_;
   TexelIrradiance irradiance_;
   std::vector<Float3> punctual_;  // what enters of punctual lights, a texel; empty: nothing
-  TranslucentResponse::Branches branches_ = TranslucentResponse::Branches::kBoth;
   std::vector<formats::Float4> radiosity_;
   Vec3 eye_ = Vec3::Zero();
 };

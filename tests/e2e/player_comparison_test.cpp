@@ -15,6 +15,7 @@
 #include "tests/support/made_translucent_pack.h"
 #include "transport/lights.h"
 #include "transport/texture_frames.h"
+#include "transport/translucent_shading.h"
 #include "transport/translucent_tables.h"
 
 namespace bakelight::tests {
@@ -164,6 +165,33 @@ TEST_F(PlayerAgainstCpu, TranslucentObjectsUnderPunctualLights) {
         R"({"lights": [{"type": "disk", "half_angle_deg": 180, "radiance": [0.1, 0.1, 0.1]}],)";
     compare(pack, settings, rig(sky + R"("punctual": [)" + light + "]}"));
   }
+}
+
+// Each branch on its own, as --branches shows it.
+TEST_F(PlayerAgainstCpu, BranchesOfTranslucentObjects) {
+  const formats::Pack pack = translucentPack(64, mediumOf(2.5), 4, 0.5F);
+  formats::writePack(folder_ / "whole.glb", pack, {});
+  formats::writePack(folder_ / "other.glb", wavyPack(3, 16), {});
+  formats::FrameSettings settings = kSmall;
+  settings.pitch_deg = 60;
+  const auto play = [&](const std::string& name, const std::string& branches) {
+    const std::string command = "'" + kPlayer.string() + "' '" + (folder_ / name).string() +
+                                "' --environment '" + (folder_ / "sky.exr").string() +
+                                "' --width 320 --height 240 --pitch-deg 60 " + "--branches " + branches +
+                                " --image '" + (folder_ / "shown.png").string() + "' 2> '" +
+                                (folder_ / "log").string() + "'";
+    return std::system(command.c_str());
+  };
+  for (const auto& [word, branches] : transport::kTranslucentBranches) {
+    SCOPED_TRACE(word);
+    compare(transport::withBranches(pack, branches), settings, sky());
+    ASSERT_EQ(play("whole.glb", word), 0);
+    EXPECT_EQ(formats::readFile(folder_ / "shown.png"), formats::readFile(folder_ / "player.png"));
+  }
+  EXPECT_NE(play("other.glb", "local"), 0);
+  const formats::Bytes log = formats::readFile(folder_ / "log");
+  const std::string text(reinterpret_cast<const char*>(log.data()), log.size());
+  EXPECT_NE(text.find("/branches"), std::string::npos) << text;
 }
 
 TEST_F(PlayerAgainstCpu, PunctualLightsAreRefusedByNameForOtherPacks) {

@@ -36,6 +36,13 @@ int main(int argc, char** argv) {
                        "a pack with a radiance transfer texture, or effects all");
       pack = transport::withEffects(std::move(pack), options.effects);
     }
+    if (options.branches != transport::TranslucentResponse::Branches::kBoth) {
+      if (!transport::TranslucentShading::shades(pack))
+        throw badInput({options.pack_path.string(), "", "/branches"},
+                       "it is not translucent, so it has no branches",
+                       "a pack of a translucent object, or branches both");
+      pack = transport::withBranches(std::move(pack), options.branches);
+    }
     formats::LightRig rig =
         formats::readLights(options.environment_path, options.lights_path, options.windowing);
     for (const std::string& note : formats::notesOn(rig)) run.warn(note);

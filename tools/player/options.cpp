@@ -25,6 +25,10 @@ void declareOptions(stage::Tool& tool, Options& options) {
                  "Of a pack with meso-structure, to compare: without the object's own shadows, without "
                  "masking, the mean "
                  "over views, or the object's shadows alone")
+      .parameter("branches", options.branches, transport::kTranslucentBranches,
+                 "Of a translucent object, to compare: what comes from near by, by kernels of texels, what "
+                 "comes from "
+                 "farther off, by factors between vertices, or both")
       .parameter("auto_exposure", settings.auto_exposure, "bring the lights' mean radiance to a middle value")
       .parameter("exposure_ev", settings.exposure_ev, {-32, 32}, "EV",
                  "stops brighter than that, or than factor 1");

@@ -11,6 +11,7 @@
 #include "transport/bi_scale_comparison.h"
 #include "transport/frame.h"
 #include "transport/lighting.h"
+#include "transport/translucent_shading.h"
 
 namespace bakelight::player {
 
@@ -20,6 +21,7 @@ struct Options {
   std::optional<double> windowing;  // none: as the rig says
   int cube_resolution = 64;
   transport::BiScaleEffects effects = transport::BiScaleEffects::kAll;
+  transport::TranslucentResponse::Branches branches = transport::TranslucentResponse::Branches::kBoth;
 };
 
 // `options` outlives the tool's run.

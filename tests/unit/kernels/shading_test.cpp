@@ -72,13 +72,12 @@ TEST(TranslucentShading, WhiteSkyGivesTotalTimesBothTransmittances) {
 
 TEST(TranslucentShading, BranchesAddUp) {
   const formats::Pack pack = tests::translucentPack(kTexels, tests::mediumOf(2.5), 3, 0.5F);
-  TranslucentShading shading(pack);
   std::vector<Float3> light(9, Float3{0.1F, 0.2F, 0.3F});
   light[0] = {3, 3, 3};
   std::vector<std::vector<formats::Float4>> pictures;
   for (const auto branches : {TranslucentResponse::Branches::kBoth, TranslucentResponse::Branches::kLocal,
                               TranslucentResponse::Branches::kGlobal}) {
-    shading.setBranches(branches);
+    TranslucentShading shading(withBranches(pack, branches));
     shading.setLight(light, {});
     pictures.emplace_back(shading.radiosity().begin(), shading.radiosity().end());
   }
@@ -88,6 +87,21 @@ TEST(TranslucentShading, BranchesAddUp) {
     largest = std::max(largest, static_cast<double>(pictures[1][i][1]));
   }
   EXPECT_GT(largest, 0.05);
+  formats::Pack other = pack;
+  other.appearances.front().reflection = formats::LambertReflection{};
+  EXPECT_THROW(withBranches(other, TranslucentResponse::Branches::kLocal), std::invalid_argument);
+}
+
+TEST(TranslucentShading, ABranchOnItsOwnIsThatOfTheResponse) {
+  const formats::Pack pack = tests::translucentPack(kTexels, tests::mediumOf(2.5), 3, 0.5F);
+  const auto tables = [](const formats::Pack& of) {
+    return TranslucentResponse(*of.appearances.front().reflection.as<formats::Translucency>());
+  };
+  const TranslucentResponse whole = tables(pack);
+  std::vector<Float3> light(whole.texelCount());
+  for (std::size_t i = 0; i < light.size(); ++i) light[i] = {1, i % 3 == 0 ? 2.0F : 0.0F, 0.5F};
+  for (const auto branches : {TranslucentResponse::Branches::kLocal, TranslucentResponse::Branches::kGlobal})
+    EXPECT_EQ(tables(withBranches(pack, branches)).respond(light), whole.respond(light, branches));
 }
 
 TEST(TranslucentPack, ComesBackAsItWasWhateverOrderItsVerticesTake) {
