@@ -7,6 +7,7 @@
 
 #include "formats/file.h"
 #include "formats/image.h"
+#include "formats/json.h"
 #include "formats/pack.h"
 #include "tests/e2e/made_packs.h"
 #include "tests/support/compressed_transfer.h"
@@ -175,11 +176,11 @@ TEST_F(PlayerAgainstCpu, BranchesOfTranslucentObjects) {
   formats::FrameSettings settings = kSmall;
   settings.pitch_deg = 60;
   const auto play = [&](const std::string& name, const std::string& branches) {
-    const std::string command = "'" + kPlayer.string() + "' '" + (folder_ / name).string() +
-                                "' --environment '" + (folder_ / "sky.exr").string() +
-                                "' --width 320 --height 240 --pitch-deg 60 " + "--branches " + branches +
-                                " --image '" + (folder_ / "shown.png").string() + "' 2> '" +
-                                (folder_ / "log").string() + "'";
+    const auto quoted = [&](const char* file) { return "'" + (folder_ / file).string() + "'"; };
+    const std::string command = "'" + kPlayer.string() + "' " + quoted(name.c_str()) + " --environment " +
+                                quoted("sky.exr") + " --width 320 --height 240 --pitch-deg 60 --branches " +
+                                branches + " --image " + quoted("shown.png") + " --stats " +
+                                quoted("stats.json") + " 2> " + quoted("log");
     return std::system(command.c_str());
   };
   for (const auto& [word, branches] : transport::kTranslucentBranches) {
@@ -188,6 +189,20 @@ TEST_F(PlayerAgainstCpu, BranchesOfTranslucentObjects) {
     ASSERT_EQ(play("whole.glb", word), 0);
     EXPECT_EQ(formats::readFile(folder_ / "shown.png"), formats::readFile(folder_ / "player.png"));
   }
+  ASSERT_EQ(play("whole.glb", "both"), 0);
+  const formats::Json stats = formats::readJson(folder_ / "stats.json")["stats"],
+                      &cost = stats["cost_by_pass"];
+  double total = 0;
+  for (const char* part :
+       {"illumination_map_ms", "local_ms", "distribution_ms", "throughput_ms", "display_ms"}) {
+    EXPECT_GT(cost[part].get<double>(), 0) << part;
+    total += cost[part].get<double>();
+  }
+  EXPECT_NEAR(cost["total_ms"].get<double>(), total, 1e-9 * total);
+  EXPECT_EQ(cost["throughput_ms"], stats["gpu_pass_ms"]["throughput"]);
+  const auto& translucency = *pack.appearances.front().reflection.as<formats::Translucency>();
+  EXPECT_EQ(cost["vertices"], translucency.knot_count);
+  EXPECT_EQ(cost["factors"], translucency.near.columns.count() + translucency.far.columns.count());
   EXPECT_NE(play("other.glb", "local"), 0);
   const formats::Bytes log = formats::readFile(folder_ / "log");
   const std::string text(reinterpret_cast<const char*>(log.data()), log.size());

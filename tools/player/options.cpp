@@ -1,5 +1,9 @@
 #include "tools/player/options.h"
 
+#include <spdlog/spdlog.h>
+
+#include <initializer_list>
+
 #include "tools/player/techniques/technique.h"
 #include "tools/stage/frame_options.h"
 
@@ -51,6 +55,34 @@ void reportTransfer(stage::Run& run, const formats::ShTransfer& transfer) {
   run.stat("matrix_precision", formats::nameOf(transfer.glossy->vertexTable().precision));
 }
 
+// Cost by pass as Lensch et al. 2002 have it, table 1.
+void reportTranslucency(stage::Run& run, const formats::Translucency& translucency,
+                        const formats::Json& passes) {
+  const auto sum = [&](std::initializer_list<const char*> names) {
+    double ms = 0;
+    for (const char* name : names) ms += passes.value(name, 0.0);
+    return ms;
+  };
+  const double illumination = sum({"illumination", "shadow map", "punctual light"}), local = sum({"filter"}),
+               distribution = sum({"distribution"}), throughput = sum({"throughput"}),
+               display = sum({"combination", "surface", "resolve"});
+  const std::size_t factors = translucency.near.columns.count() + translucency.far.columns.count();
+  const double total = illumination + local + distribution + throughput + display;
+  run.stat("cost_by_pass", {{"vertices", translucency.knot_count},
+                            {"factors", factors},
+                            {"illumination_map_ms", illumination},
+                            {"local_ms", local},
+                            {"distribution_ms", distribution},
+                            {"throughput_ms", throughput},
+                            {"display_ms", display},
+                            {"total_ms", total}});
+  spdlog::info(
+      "{} vertices, {} factors; ms: illumination map {:.3g}, local {:.3g}, distribution {:.3g}, throughput "
+      "{:.3g}, "
+      "display {:.3g}, total {:.3g}",
+      translucency.knot_count, factors, illumination, local, distribution, throughput, display, total);
+}
+
 }  // namespace
 
 void reportStats(stage::Run& run, const formats::Pack& pack, const transport::Lighting& lighting,
@@ -82,6 +114,8 @@ void reportStats(stage::Run& run, const formats::Pack& pack, const transport::Li
        {&picture.light_change, picture.cube ? &*picture.cube : nullptr, &picture.frame})
     if (times != nullptr)
       for (const auto& [name, pass_ms] : times->gpu_passes_ms) passes[name] = pass_ms;
+  if (const auto* translucency = pack.appearances.front().reflection.as<formats::Translucency>())
+    reportTranslucency(run, *translucency, passes);
   run.stat("gpu_pass_ms", std::move(passes));
 }
 
