@@ -38,8 +38,8 @@ report::Plot plotOfErrors() {
     const formats::Medium medium = tests::mediumOf(path, kAlbedo);
     const kernels::Made made =
         kernels::makeTranslucency(mesh, folder / "maps.exr", medium, {}, stage::ProgressStyle::kNone);
-    const auto colors = kernels::reflectanceOf(medium);
-    const kernels::Reflectance reflectance(colors, 2 * kTexels, 1, 1);
+    const transport::MediumField field(medium, mesh.positions);
+    const kernels::Reflectance reflectance(field, 2 * kTexels, 1, 1);
     std::size_t marker = 0;
     for (const auto& [name, light] : testLights(knots)) {
       const TranslucencyErrors errors =

@@ -34,8 +34,10 @@ formats::EncodedTable plainKernels(const kernels::Texels& texels, const kernels:
         if (s < 0 || texels.charts[static_cast<std::size_t>(s)] != texels.charts[receiver]) continue;
         const auto source = static_cast<std::size_t>(s);
         const float distance = (texels.positions[source] - texels.positions[receiver]).norm();
-        const Rgb value =
-            texels.cells[source] * reflectance.betweenTexels(distance, texels.sides[receiver], band);
+        const Rgb value = texels.cells[source] *
+                          reflectance.betweenTexels(
+                              distance, texels.sides[receiver], band,
+                              reflectance.along(texels.positions[source], texels.positions[receiver]));
         for (int c = 0; c < 3; ++c) to[c] = value[c];
       }
   }
@@ -56,7 +58,10 @@ formats::EncodedTable plainFactors(const kernels::Knots& knots, const kernels::R
       const auto distance = static_cast<float>((knots.positions[k] - knots.positions[other]).norm());
       const float radius = (throughput.smoothing(k) + throughput.smoothing(other)) / 2;
       if (distance >= radius || !std::binary_search(along.begin(), along.end(), columns[i])) continue;
-      const Rgb plain = other == k ? Rgb(Rgb::Zero()) : reflectance.exact(distance);
+      const Rgb plain =
+          other == k
+              ? Rgb(Rgb::Zero())
+              : reflectance.exact(distance, reflectance.along(knots.positions[k], knots.positions[other]));
       const Rgb more = plain - throughput.between(k, other);
       for (std::size_t c = 0; c < 3; ++c) values[3 * (first + i) + c] += more[static_cast<Eigen::Index>(c)];
     }
@@ -74,11 +79,11 @@ void writeNaive(char** files) {
 
   const kernels::Knots knots = kernels::knotsOf(mesh);
   const kernels::Texels texels = kernels::texelsOf(files[1], mesh, knots);
-  const auto colors = kernels::reflectanceOf(*medium);
+  const transport::MediumField field(*medium, mesh.positions);
   const auto [least, greatest] = std::minmax_element(texels.sides.begin(), texels.sides.end());
   kernels::Vec3 low = knots.positions.front(), high = low;
   for (const kernels::Vec3& p : knots.positions) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  const kernels::Reflectance reflectance(colors, (high - low).norm() * 1.001, static_cast<double>(*least),
+  const kernels::Reflectance reflectance(field, (high - low).norm() * 1.001, static_cast<double>(*least),
                                          static_cast<double>(*greatest));
   const kernels::Throughput throughput(knots, reflectance, {});
   result.components = 0;
