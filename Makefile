@@ -78,8 +78,9 @@ pictures: tools assets ## Make the pictures of the docs into docs/images/
 	@scripts/system-packages browser
 	@scripts/make-pictures $(BUILD)/bin docs/images
 
-figures: tools assets ## Make the figures of the bi-scale paper with our assets into out/figures/; FIGURES="1 vase" makes some
+figures: tools assets ## Make the figures of the papers with our assets into out/figures/; FIGURES="1 vase" makes some
 	@scripts/system-packages browser
+	@cmake --build $(BUILD) --target naive_kernels mean_free_path
 	@scripts/make-figures $(BUILD)/bin $(OUT)/figures $(FIGURES)
 
 golden-update: build ## Renew the golden outputs of one stage test: make golden-update CASE=name
