@@ -1,6 +1,7 @@
 #include "tools/reference/scene.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "formats/error.h"
 #include "transport/frame.h"
@@ -93,8 +94,12 @@ std::vector<std::unique_ptr<const Transport>> transportIn(const Surface& surface
     for (const std::uint32_t material : of_triangle) of_medium.push_back(material == i ? 1 : 0);
     // A name that no face has any more.
     if (!of_medium.empty() && std::find(of_medium.begin(), of_medium.end(), 1) == of_medium.end()) continue;
-    of_materials.back() =
-        std::make_unique<Transport>(*medium, mesh, std::move(of_medium), rays, object_from_world);
+    try {
+      of_materials.back() =
+          std::make_unique<Transport>(*medium, mesh, std::move(of_medium), rays, object_from_world);
+    } catch (const std::invalid_argument& problem) {
+      throw badInput({"", surface.material.names[i], "/medium"}, problem.what());
+    }
   }
   return of_materials;
 }
