@@ -87,9 +87,10 @@ TexelIrradiance::TexelIrradiance(const formats::Translucency& translucency, cons
   }
   const auto knots = formats::wordsOf(translucency.texel_knots);
   const std::vector<float> weights = translucency.texel_weights.decode();
+  auto found = triangle_of.end();  // texels of a triangle follow each other
   for (std::size_t i = 0; i < translucency.texelCount(); ++i) {
     const auto [corners, first] = leastFirst({knots[3 * i], knots[3 * i + 1], knots[3 * i + 2]});
-    const auto found = triangle_of.find(corners);
+    if (found == triangle_of.end() || found->first != corners) found = triangle_of.find(corners);
     if (found == triangle_of.end())
       throw std::invalid_argument("texel " + std::to_string(i) + " lies in no triangle of the mesh");
     const auto& [triangle, first_of_triangle] = found->second;

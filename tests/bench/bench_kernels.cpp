@@ -8,7 +8,7 @@
 // factors: of the bunny's 34,000 vertices. bytes, seconds.
 // product: factors times light at run time; bandwidth_ratio: bytes that they have ÷ seconds ÷ what this machine reads in a second.
 // respond: all of a light change on the CPU.
-// punctual: what a point light sends into each texel, in the object's shadow: a move of such a light, before respond.
+// punctual: what a point light sends into each texel, in the object's shadow: a move of such a light, before respond; and setup_ms, once.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -195,7 +195,10 @@ BENCHMARK(BM_respond)->Name("respond")->Unit(benchmark::kMillisecond)->UseRealTi
 
 void BM_punctual(benchmark::State& state) {
   const formats::TriangleMesh& mesh = horse().result.atlas.mesh;
-  const transport::TexelIrradiance texels(horse().made.translucency, mesh);
+  const formats::Translucency& translucency = horse().made.translucency;
+  const auto start = std::chrono::steady_clock::now();
+  const transport::TexelIrradiance texels(translucency, mesh);
+  state.counters["setup_ms"] = 1e3 * secondsSince(start);
   const transport::Occlusion shadows = transport::shadowsOf(mesh);
   const transport::BoundingSphere bounds = transport::boundingSphere(mesh);
   transport::PlacedPunctualLight light;
