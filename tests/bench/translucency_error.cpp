@@ -96,10 +96,10 @@ TranslucencyErrors translucencyErrors(const kernels::Knots& knots, const kernels
       const float power = texels.areas[s] * entering[s];
       if (power == 0) continue;
       const float distance = (texels.positions[s] - texels.positions[texel]).norm();
-      truth += (power * reflectance.betweenTexels(
-                            distance, texels.sides[texel], band,
-                            reflectance.along(texels.positions[s], texels.positions[texel])))
-                   .cast<double>();
+      truth +=
+          (power * reflectance.betweenTexels(distance, texels.sides[texel], band,
+                                             reflectance.along(texels.positions[s], texels.positions[texel])))
+              .cast<double>();
     }
     Rgb apart = naive.local(texel);
     for (int k = 0; k < 3; ++k)

@@ -213,10 +213,10 @@ class Blender {
         whole += a * hat.squaredNorm();
         if (inWindow(x, texel)) continue;
         const float distance = (texels_.positions[x] - texels_.positions[texel]).norm();
-        const Rgb rest = reflectance_.betweenTexels(
-                             distance, texels_.sides[x], bands_[x],
-                             reflectance_.along(texels_.positions[x], texels_.positions[texel])) -
-                         between(near, to_knots, x);
+        const Rgb rest =
+            reflectance_.betweenTexels(distance, texels_.sides[x], bands_[x],
+                                       reflectance_.along(texels_.positions[x], texels_.positions[texel])) -
+            between(near, to_knots, x);
         const Eigen::Vector3d r = rest.matrix().cast<double>();
         normal += a * hat * hat.transpose();
         right += a * hat * r.transpose();
@@ -350,10 +350,10 @@ class Blender {
         if (found < 0) continue;
         const auto s = static_cast<std::size_t>(found);
         const float distance = (texels_.positions[s] - texels_.positions[receiver]).norm();
-        const Rgb value = texels_.cells[s] *
-                          reflectance_.betweenTexels(
-                              distance, texels_.sides[receiver], bands_[receiver],
-                              reflectance_.along(texels_.positions[s], texels_.positions[receiver]));
+        const Rgb value =
+            texels_.cells[s] *
+            reflectance_.betweenTexels(distance, texels_.sides[receiver], bands_[receiver],
+                                       reflectance_.along(texels_.positions[s], texels_.positions[receiver]));
         exact[static_cast<std::size_t>(i)] = value;
         exact_sum += value;
         Rgb by_weights = Rgb::Zero();

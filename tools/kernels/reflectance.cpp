@@ -63,7 +63,8 @@ Reflectance::Reflectance(const transport::MediumField& field, double farthest, d
     Polynomial polynomial;
     for (Eigen::Index c = 0; c < 3; ++c) {
       const auto powers = smoothCoefficients(media[medium][static_cast<std::size_t>(c)], std::max(r, scale));
-      for (Eigen::Index k = 0; k < 3; ++k) polynomial(c, k) = static_cast<float>(powers[static_cast<std::size_t>(k)]);
+      for (Eigen::Index k = 0; k < 3; ++k)
+        polynomial(c, k) = static_cast<float>(powers[static_cast<std::size_t>(k)]);
     }
     return polynomial;
   });
@@ -103,7 +104,8 @@ Rgb Reflectance::betweenTexels(float distance, float side, std::uint32_t band, c
   const auto first = static_cast<std::size_t>(std::min(static_cast<int>(node), kBandNodes - 2));
   const std::size_t media = field_.reflectances().size();
   const Rgb* from = &bands_[band][first * media + place.node];
-  return RadialTable<Rgb>::between(from, from + media, node - static_cast<float>(first), place) / (side * side);
+  return RadialTable<Rgb>::between(from, from + media, node - static_cast<float>(first), place) /
+         (side * side);
 }
 
 double Reflectance::reach(double share) const {

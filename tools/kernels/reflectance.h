@@ -42,9 +42,8 @@ class RadialTable {
         values_(kNodes * media) {
     tbb::parallel_for(std::size_t{0}, media, [&](std::size_t medium) {
       for (std::size_t i = 0; i < kNodes; ++i)
-        values_[i * media_ + medium] =
-            function(scale * std::expm1(std::log1p(farthest / scale) * static_cast<double>(i) / (kNodes - 1)),
-                     medium);
+        values_[i * media_ + medium] = function(
+            scale * std::expm1(std::log1p(farthest / scale) * static_cast<double>(i) / (kNodes - 1)), medium);
     });
   }
   Value operator()(float distance, const Place& place) const {
