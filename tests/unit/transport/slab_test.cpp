@@ -19,7 +19,8 @@ TEST(Slab, LossIsInverseToThicknessWithoutAbsorption) {
 
 TEST(Slab, ThickLayersAttenuateByDiffusionsRate) {
   const double rate = std::sqrt(3 * 0.1 * 2.1);
-  EXPECT_NEAR(slabTransmission({2, 0.1, 1.3}, 1e4).attenuation / rate, 1, 1e-3);
+  // What is lost without absorption, some ln(thickness) ÷ thickness, is not counted as attenuation.
+  EXPECT_NEAR(slabTransmission({2, 0.1, 1.3}, 1e4).attenuation / rate, 1, 2e-3);
   const SlabTransmission endless = slabTransmission({2, 0.1, 1.3}, 1e9);  // e^−8e8 is no number
   EXPECT_NEAR(endless.attenuation / rate, 1, 1e-6);
   EXPECT_GT(endless.unabsorbed, 0);
