@@ -3,6 +3,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
+#include <Eigen/Core>
 #include <stdexcept>
 
 namespace bakelight::transport {
@@ -19,20 +21,32 @@ std::vector<std::uint32_t> words(const formats::IntegerArray& list) {
 }  // namespace
 
 TranslucentResponse::Matrix TranslucentResponse::decoded(const formats::SparseRows& rows) {
-  return {words(rows.ends), words(rows.columns), rows.values.decode(), rows.values.columns};
+  Matrix matrix{words(rows.ends), words(rows.columns), rows.values.decode(), rows.values.columns};
+  matrix.values.push_back(0);  // a color is read as four numbers
+  return matrix;
 }
 
+// An entry is one product of four numbers, of which the last means nothing; four sums, so that none waits for the other.
 std::vector<Float3> TranslucentResponse::Matrix::times(std::span<const Float3> x) const {
+  using Four = Eigen::Array4f;
+  std::vector<Four> padded;
+  padded.reserve(x.size());
+  for (const Float3& value : x) padded.emplace_back(value[0], value[1], value[2], 0);
   std::vector<Float3> y(ends.size());
+  const auto product = [&](std::size_t e) -> Four {
+    const Four& from = padded[columns[e]];
+    if (value_columns == 1) return values[e] * from;
+    return Eigen::Map<const Four>(&values[3 * e]) * from;
+  };
   tbb::parallel_for(std::size_t{0}, ends.size(), [&](std::size_t r) {
-    Float3 sum{};
-    for (std::size_t e = r == 0 ? 0 : ends[r - 1]; e < ends[r]; ++e) {
-      const Float3& from = x[columns[e]];
-      const float* value = &values[e * value_columns];
-      const std::size_t step = value_columns == 3;
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += value[c * step] * from[c];
-    }
-    y[r] = sum;
+    std::array<Four, 4> sums;
+    sums.fill(Four::Zero());
+    std::size_t e = r == 0 ? 0 : ends[r - 1];
+    for (; e + 4 <= ends[r]; e += 4)
+      for (std::size_t k = 0; k < 4; ++k) sums[k] += product(e + k);
+    for (; e < ends[r]; ++e) sums[0] += product(e);
+    sums[0] += sums[1] + (sums[2] + sums[3]);
+    y[r] = {sums[0][0], sums[0][1], sums[0][2]};
   });
   return y;
 }

@@ -160,13 +160,13 @@ void BM_product(benchmark::State& state) {
   const Horse& subject = horse();
   const transport::TranslucentResponse response(subject.made.translucency);
   const std::vector<formats::Float3> light(response.texelCount(), formats::Float3{1, 1, 1});
-  // As the class holds them: floats, four bytes of columns, and the sharpening and far parts with the near ones.
+  // As the class holds them: floats and columns of four bytes.
   double bytes = 0;
   const formats::Translucency& t = subject.made.translucency;
   for (const formats::SparseRows* matrix : {&t.sharpen, &t.sharpen, &t.near, &t.spread, &t.spread, &t.far})
     bytes += 4.0 * static_cast<double>(matrix->columns.count() * (1 + matrix->values.columns));
-  bytes += 8.0 * 3 * static_cast<double>(response.texelCount()) *
-           2.5;  // what texels give: index, power, three weights
+  // What texels with an area give to three knots each: index, power, three weights.
+  for (const float area : t.areas.decode()) bytes += area > 0 ? 3 * 20.0 : 0;
   std::vector<float> buffer(std::size_t{64} << 20, 1.0F);
   const std::size_t aligned =
       (64 - reinterpret_cast<std::uintptr_t>(buffer.data()) % 64) / sizeof(float) % 16;
