@@ -52,7 +52,7 @@ formats::Medium marble() {
 
 formats::Medium veinedMarble() {
   formats::Medium medium = marble();
-  medium.veins = formats::Veins{{1.2F, 1.4F, 1.5F}, {0.2F, 0.25F, 0.22F}, 0.4, 0.04, 1};
+  medium.veins = formats::Veins{{2, 2.2F, 2.4F}, {0.5F, 0.55F, 0.5F}, 0.4, 0.04, 1};
   return medium;
 }
 
@@ -64,7 +64,7 @@ struct Horse {
 
   explicit Horse(const formats::Medium& of) : medium(of) {
     simplify::SimplifyOptions options;
-    options.triangles = 20000;
+    options.triangles = of.veins ? 30000 : 20000;
     options.refine = true;
     options.least_part = 0.005;
     const formats::TriangleMesh mesh =
