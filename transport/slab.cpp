@@ -33,7 +33,8 @@ double logTransmittance(const ScatteringCoefficients& c, double thickness) {
 
 SlabTransmission slabTransmission(const ScatteringCoefficients& coefficients, double thickness) {
   if (!(thickness > 0)) throw std::invalid_argument("a layer has a thickness above 0");
-  DiffuseReflectance(DiffusionModel::kDipole, coefficients);  // throws for what is no medium
+  [[maybe_unused]] const DiffuseReflectance checked(DiffusionModel::kDipole,
+                                                    coefficients);  // throws for what is no medium
   const double with = logTransmittance(coefficients, thickness);
   const double without =
       logTransmittance({coefficients.reduced_scattering, 0, coefficients.relative_ior}, thickness);

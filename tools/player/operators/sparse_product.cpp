@@ -48,7 +48,8 @@ std::vector<SparseProduct::Range> SparseProduct::rangesOf(std::span<const std::u
   const std::size_t most_rows = rowRanges(rows_, 1, lanes_).front().count;
   for (std::size_t row = 0; row < rows_;) {
     const std::size_t begin = row == 0 ? 0 : ends[row - 1];
-    const std::size_t first = begin / kEntryAlignment * kEntryAlignment;
+    // Empty rows at the end have none of their own.
+    const std::size_t first = std::min(begin, entries() - 1) / kEntryAlignment * kEntryAlignment;
     std::size_t end = row;
     while (end < rows_ && end - row < most_rows && ends[end] - first <= most_entries) ++end;
     if (end == row)
