@@ -113,7 +113,7 @@ TEST_F(PlayerAgainstCpu, TranslucentObjects) {
   }
 }
 
-// By near vectors where there are emitters; tables as packs have them without far knots and without components of kernels.
+// Emitters, too, by the same vectors as distant light; tables as packs have them without far knots and without components of kernels.
 TEST_F(PlayerAgainstCpu, TranslucentObjectsByEmittersWithFewerTables) {
   formats::Pack pack = translucentPack(64, mediumOf(2.5), 4, 0.5F);
   auto& translucency = *formats::reflectionOf(pack).as<formats::Translucency>();
