@@ -10,6 +10,7 @@
 #include "transport/diffusion.h"
 #include "transport/evaluator.h"
 #include "transport/sh.h"
+#include "transport/translucent_tables.h"
 
 namespace bakelight::transport {
 
@@ -26,6 +27,18 @@ std::vector<std::uint32_t> placesOf(const formats::Translucency& translucency) {
   std::vector<std::uint32_t> places;
   for (const std::uint32_t texel : formats::wordsOf(translucency.receivers)) places.push_back(texels[texel]);
   return places;
+}
+
+constexpr const char* kWhatVerticesNeed =
+    "a translucent pack needs normal, texture coordinates, knot and transfer of each vertex";
+
+// Before anything looks at its vertices.
+const formats::TriangleMesh& checkedMesh(const formats::Pack& pack) {
+  const std::size_t count = pack.mesh.vertexCount();
+  if (pack.mesh.normals.size() != count || pack.mesh.texcoords.size() != count ||
+      translucencyOf(pack).knots.size() != count || (!pack.colors.empty() && pack.colors.size() != count))
+    throw std::invalid_argument(kWhatVerticesNeed);
+  return pack.mesh;
 }
 
 formats::EncodedTable blackTable(std::size_t rows, std::size_t columns) {
@@ -70,27 +83,21 @@ TranslucentShading::TranslucentShading(const formats::Pack& pack)
       resolution_(translucencyOf(pack).resolution),
       eta_(static_cast<double>(translucencyOf(pack).eta)),
       vectors_(pack.sh().vectors.decode()),
-      mesh_(pack.mesh),
-      stain_(pack.colors),
+      mesh_(checkedMesh(pack)),
+      stain_(stainOf(pack)),
       knots_(translucencyOf(pack).knots),
       knot_count_(static_cast<std::size_t>(translucencyOf(pack).knot_count)),
       places_(placesOf(translucencyOf(pack))),
       response_(translucencyOf(pack)),
       irradiance_(translucencyOf(pack), mesh_),
       radiosity_(static_cast<std::size_t>(resolution_) * resolution_, Float4{0, 0, 0, 0}) {
-  const std::size_t count = mesh_.vertexCount();
   if (pack.sh().near_field) {
     near_vectors_ = pack.sh().near_field->vectors.decode();
     near_center_ = vec3(pack.sh().near_field->center);
   }
-  const std::size_t values = count * channels_ * coefficientCount(order_);
-  if (mesh_.normals.size() != count || mesh_.texcoords.size() != count || knots_.size() != count ||
-      vectors_.size() != values || (!near_vectors_.empty() && near_vectors_.size() != values))
-    throw std::invalid_argument(
-        "a translucent pack needs normal, texture coordinates, knot and transfer of each vertex");
-  stain_.resize(count, Float3{1, 1, 1});
-  for (Float3& color : stain_)
-    for (std::size_t c = 0; c < 3; ++c) color[c] *= pack.appearances.front().base_color[c];
+  const std::size_t values = mesh_.vertexCount() * channels_ * coefficientCount(order_);
+  if (vectors_.size() != values || (!near_vectors_.empty() && near_vectors_.size() != values))
+    throw std::invalid_argument(kWhatVerticesNeed);
 }
 
 void TranslucentShading::setLight(std::span<const Float3> distant, std::span<const Float3> near) {

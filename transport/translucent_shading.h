@@ -39,13 +39,9 @@ class TranslucentShading final : public PackShading {
   void setView(const ViewPoint& view) override { eye_ = view.eye; }
   void radianceAt(std::span<const SurfaceHit> hits, std::span<Float3> radiance) const override;
 
-  int resolution() const { return resolution_; }
-  double relativeIor() const { return eta_; }
   // Radiosity below the surface, resolution² texels, rows from the top: RGB, and 1 where there is any, else 0. Pictures take
   // the mean of the four around a place by distance, of those that have a 1.
   std::span<const formats::Float4> radiosity() const { return radiosity_; }
-  // A stain on the surface: the share of exit radiance of each vertex that passes.
-  std::span<const Float3> stain() const { return stain_; }
 
  private:
   int order_, channels_, resolution_;

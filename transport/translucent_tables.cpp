@@ -122,4 +122,12 @@ std::vector<float> expandedKernels(const formats::Translucency& t) {
   return expanded;
 }
 
+std::vector<formats::Float3> stainOf(const formats::Pack& pack) {
+  std::vector<formats::Float3> stain = pack.colors;
+  stain.resize(pack.mesh.vertexCount(), {1, 1, 1});
+  for (formats::Float3& color : stain)
+    for (std::size_t c = 0; c < 3; ++c) color[c] *= pack.appearances.front().base_color[c];
+  return stain;
+}
+
 }  // namespace bakelight::transport

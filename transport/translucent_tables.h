@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "formats/pack_contents.h"
 #include "formats/translucency.h"
 #include "formats/triangle_mesh.h"
 
@@ -31,6 +32,9 @@ Gifts giftsOf(const formats::Translucency& translucency);
 
 // Of the three knots of each texel.
 std::vector<formats::Float3> knotWeights(const formats::Translucency& translucency);
+
+// A stain on the surface: the share of exit radiance of each vertex that passes.
+std::vector<formats::Float3> stainOf(const formats::Pack& pack);
 
 // receivers × 147, without a basis. On all TBB threads; same values for any number.
 std::vector<float> expandedKernels(const formats::Translucency& translucency);

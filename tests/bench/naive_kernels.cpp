@@ -23,15 +23,12 @@ formats::EncodedTable plainKernels(const kernels::Texels& texels, const kernels:
   std::vector<float> values(receivers.size() * columns, 0);
   for (std::size_t r = 0; r < receivers.size(); ++r) {
     const std::size_t receiver = receivers[r];
-    const int side = texels.resolution, place = static_cast<int>(texels.places[receiver]);
     const std::uint32_t band = reflectance.bandOf(texels.sides[receiver]);
     float* to = &values[r * columns];
     for (int dy = -kReach; dy <= kReach; ++dy)
       for (int dx = -kReach; dx <= kReach; ++dx, to += 3) {
-        const int x = place % side + dx, y = place / side + dy;
-        if (x < 0 || y < 0 || x >= side || y >= side) continue;
-        const std::int32_t s = texels.index_of[static_cast<std::size_t>(y) * side + x];
-        if (s < 0 || texels.charts[static_cast<std::size_t>(s)] != texels.charts[receiver]) continue;
+        const std::int32_t s = texels.neighbour(receiver, dx, dy);
+        if (s < 0) continue;
         const auto source = static_cast<std::size_t>(s);
         const float distance = (texels.positions[source] - texels.positions[receiver]).norm();
         const Rgb value = texels.cells[source] *

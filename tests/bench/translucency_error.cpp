@@ -44,14 +44,11 @@ struct Naive {
     return sum;
   }
   Rgb local(std::size_t receiver) const {
-    const int side = texels.resolution, place = static_cast<int>(texels.places[receiver]);
     Rgb sum = Rgb::Zero();
     for (int dy = -kReach; dy <= kReach; ++dy)
       for (int dx = -kReach; dx <= kReach; ++dx) {
-        const int x = place % side + dx, y = place / side + dy;
-        if (x < 0 || y < 0 || x >= side || y >= side) continue;
-        const std::int32_t s = texels.index_of[static_cast<std::size_t>(y) * side + x];
-        if (s < 0 || texels.charts[static_cast<std::size_t>(s)] != texels.charts[receiver]) continue;
+        const std::int32_t s = texels.neighbour(receiver, dx, dy);
+        if (s < 0) continue;
         const auto source = static_cast<std::size_t>(s);
         const float distance = (texels.positions[source] - texels.positions[receiver]).norm();
         sum += light[source] * texels.cells[source] *

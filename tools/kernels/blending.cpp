@@ -82,15 +82,6 @@ class Blender {
   }
 
  private:
-  std::int32_t texelAt(std::size_t of, int dx, int dy) const {
-    const int side = texels_.resolution, place = static_cast<int>(texels_.places[of]);
-    const int x = place % side + dx, y = place / side + dy;
-    if (x < 0 || y < 0 || x >= side || y >= side) return -1;
-    const std::int32_t found = texels_.index_of[static_cast<std::size_t>(y) * side + x];
-    // What is seen beyond a chart's edge belongs to it; another chart does not.
-    return found >= 0 && texels_.charts[static_cast<std::size_t>(found)] == texels_.charts[of] ? found : -1;
-  }
-
   // Whether light that falls on `source` reaches `receiver` by its kernel.
   bool inWindow(std::size_t receiver, std::size_t source) const {
     if (texels_.charts[receiver] == texels_.charts[source]) {
@@ -122,7 +113,7 @@ class Blender {
     for (const std::uint32_t texel : texels_of_[t])
       for (int dy = -kReach; dy <= kReach; ++dy)
         for (int dx = -kReach; dx <= kReach; ++dx) {
-          const std::int32_t other = texelAt(texel, dx, dy);
+          const std::int32_t other = texels_.neighbour(texel, dx, dy);
           if (other >= 0) seen.push_back(texels_.triangles[static_cast<std::size_t>(other)]);
         }
     near.triangles.insert(near.triangles.end(), seen.begin(), seen.end());
@@ -255,7 +246,7 @@ class Blender {
       bool needed = false;
       for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) {
-          const std::int32_t other = texelAt(i, dx, dy);
+          const std::int32_t other = texels_.neighbour(i, dx, dy);
           needed = needed || (other >= 0 && texels_.areas[static_cast<std::size_t>(other)] > 0);
         }
       if (needed) result_.receivers.push_back(static_cast<std::uint32_t>(i));
@@ -346,7 +337,7 @@ class Blender {
     for (int dy = -kReach, i = 0; dy <= kReach; ++dy)
       for (int dx = -kReach; dx <= kReach; ++dx, ++i) {
         exact[static_cast<std::size_t>(i)].setZero();
-        const std::int32_t found = texelAt(receiver, dx, dy);
+        const std::int32_t found = texels_.neighbour(receiver, dx, dy);
         if (found < 0) continue;
         const auto s = static_cast<std::size_t>(found);
         const float distance = (texels_.positions[s] - texels_.positions[receiver]).norm();

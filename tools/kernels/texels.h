@@ -24,6 +24,14 @@ struct Texels {
   std::vector<std::int32_t> index_of;  // of a place: index here; −1 none
 
   std::size_t count() const { return places.size(); }
+  // That so many to the right and below, if it shows the same chart or what lies beyond its edge; −1: none.
+  std::int32_t neighbour(std::size_t of, int dx, int dy) const {
+    const int x = static_cast<int>(places[of]) % resolution + dx,
+              y = static_cast<int>(places[of]) / resolution + dy;
+    if (x < 0 || y < 0 || x >= resolution || y >= resolution) return -1;
+    const std::int32_t found = index_of[static_cast<std::size_t>(y) * resolution + x];
+    return found >= 0 && charts[static_cast<std::size_t>(found)] == charts[of] ? found : -1;
+  }
 };
 
 inline constexpr int kBorder = 4;  // texels: 3 for a kernel, 1 for what bilinear lookups take beside a chart

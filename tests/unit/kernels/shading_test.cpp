@@ -195,6 +195,21 @@ TEST(TranslucentPack, EveryTableIsCompared) {
   }
 }
 
+// By one who makes a pack in memory, which no reader has checked.
+TEST(TranslucentShading, VerticesThatLackSomethingAreRefused) {
+  const formats::Pack pack = tests::translucentPack(24, tests::mediumOf(2.5), 2, 0);
+  EXPECT_NO_THROW(TranslucentShading{pack});
+  formats::Pack other = pack;
+  other.mesh.texcoords.clear();
+  EXPECT_THROW(TranslucentShading{other}, std::invalid_argument);
+  other = pack;
+  other.mesh.normals.pop_back();
+  EXPECT_THROW(TranslucentShading{other}, std::invalid_argument);
+  other = pack;
+  other.appearances.front().reflection.as<formats::Translucency>()->knots.pop_back();
+  EXPECT_THROW(TranslucentShading{other}, std::invalid_argument);
+}
+
 TEST(TranslucentPack, OtherMaterialsAndTransferAreRefused) {
   formats::Pack pack = tests::translucentPack(24, tests::mediumOf(2.5), 2, 0);
   formats::Pack without_texcoords = pack;

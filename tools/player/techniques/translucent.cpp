@@ -7,6 +7,7 @@
 #include "tools/player/gl/gl_program.h"
 #include "tools/player/gl/gpu_timer.h"
 #include "transport/translucent_shading.h"
+#include "transport/translucent_tables.h"
 
 namespace bakelight::player {
 namespace {
@@ -16,15 +17,6 @@ enum Uniform : GLint { kClipFromPosition = 0, kEye = 1, kNormalReflectance = 2 }
 
 Buffer bufferOf(const auto& values) {
   return makeBuffer(values.size() * sizeof(values[0]), values.data());
-}
-
-// The share of exit radiance of each vertex that passes.
-std::vector<formats::Float3> stainOf(const formats::Pack& pack) {
-  std::vector<formats::Float3> stain = pack.colors;
-  stain.resize(pack.mesh.vertexCount(), {1, 1, 1});
-  for (formats::Float3& color : stain)
-    for (std::size_t c = 0; c < 3; ++c) color[c] *= pack.appearances.front().base_color[c];
-  return stain;
 }
 
 const formats::Translucency& translucencyOf(const formats::Pack& pack) {
@@ -57,7 +49,7 @@ Translucent::Translucent(const formats::Pack& pack, const SurfaceMesh& mesh, boo
       origin_(mesh.origin()),
       normals_(bufferOf(pack.mesh.normals)),
       texcoords_(bufferOf(pack.mesh.texcoords)),
-      stain_(bufferOf(stainOf(pack))),
+      stain_(bufferOf(transport::stainOf(pack))),
       vectors_(pack.sh().vectors),
       distant_(vectors_, pack.sh().order, pack.sh().channels, {}, false),
       texel_light_(pack, mesh, normals_),
