@@ -197,7 +197,10 @@ std::vector<std::string> Explainer::changesBesidesInputs(TaskIndex index) const 
   if (!past.ingredients) return {};
   Ingredients now = withoutInputs(task);
   now.inputs = past.ingredients->inputs;
-  // What the rules will make of a parameter is not known yet.
+  // What figures and rules will make of a parameter is not known yet.
+  for (const MeasuredParameter& parameter : task.measured)
+    if (past.ingredients->parameters.contains(parameter.name))
+      now.parameters[parameter.name] = past.ingredients->parameters[parameter.name];
   for (const TaskRule& rule : task.rules)
     for (const auto& [parameter, values] : rule.rule.set)
       if (past.ingredients->parameters.contains(parameter))

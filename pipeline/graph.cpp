@@ -67,6 +67,7 @@ class AssetStages {
     const RecipeStage& stage = recipe_.stages.at(name);
     for (const auto& [port, wire] : stage.inputs)
       if (!wire.fromAsset()) markNeeded(wire.stage);
+    for (const auto& [parameter, figure] : measuredOf(stage)) markNeeded(figure.stage);
     const bool keep = options_.keep_all || asset_.keep_all || asset_.kept.count(name) != 0;
     for (const LeaveOutRule& rule : stage.leave_out)
       problems_.attempt([&] {
@@ -76,6 +77,17 @@ class AssetStages {
         markNeeded(rule.figure.stage);
         markNeeded(rule.error.stage);
       });
+  }
+
+  // What asset and settings say of a parameter goes before a figure.
+  std::map<std::string, Wire> measuredOf(const RecipeStage& stage) const {
+    std::map<std::string, Wire> measured = stage.measured;
+    if (asset_.stages.contains(stage.name))
+      for (const auto& [parameter, value] : asset_.stages[stage.name].items()) measured.erase(parameter);
+    for (const std::vector<Setting>& settings : {options_.settings, asset_.settings})
+      for (const Setting& setting : settings)
+        if (setting.stage == stage.name) measured.erase(setting.parameter);
+    return measured;
   }
 
   static bool mayApply(const LeaveOutRule& rule, const Json& parameters) {
@@ -109,6 +121,14 @@ class AssetStages {
       for (const LeaveOutRule& rule : rules_[stage.name])
         if (const auto figure = makerOf(rule.figure), error = makerOf(rule.error); figure && error)
           task.rules.push_back({rule, *figure, *error});
+      for (const auto& [parameter, figure] : measuredOf(stage)) {
+        if (!task.parameters.contains(parameter))
+          problems_.add(badInput(placeOf(stage, "parameters", parameter),
+                                 "the tool " + tool.tool + " has no parameter \"" + parameter + "\"",
+                                 "a parameter of the tool"));
+        else if (const auto maker = makerOf(figure))
+          task.measured.push_back({parameter, figure, *maker});
+      }
     }
     task_of_[stage.name] = graph_.tasks.size();
     graph_.tasks.push_back(std::move(task));
@@ -360,6 +380,7 @@ std::set<TaskIndex> Graph::makersOf(TaskIndex task) const {
     makers.insert(rule.figure_maker);
     makers.insert(rule.error_maker);
   }
+  for (const MeasuredParameter& parameter : tasks[task].measured) makers.insert(parameter.maker);
   return makers;
 }
 

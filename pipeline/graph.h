@@ -40,6 +40,13 @@ struct TaskRule {
   TaskIndex figure_maker = 0, error_maker = 0;
 };
 
+// A parameter that a figure of another stage settles.
+struct MeasuredParameter {
+  std::string name;
+  Wire figure;
+  TaskIndex maker = 0;
+};
+
 // One stage of one asset.
 struct Task {
   std::size_t asset = 0;  // into Graph::assets
@@ -49,6 +56,7 @@ struct Task {
   std::map<std::string, std::string> deliverables = {};  // name by output port; only what is asked for
   formats::Json parameters = formats::Json::object();    // all of the tool's, canonical
   std::vector<TaskRule> rules = {};                      // in the recipe's order; the makers are done before
+  std::vector<MeasuredParameter> measured = {};          // the makers are done before
   std::string left_out = "";                             // why it does not run; "" if it may
   bool published = true;                                 // else the outputs stay in the cache
 };
@@ -58,7 +66,7 @@ struct Graph {
   std::vector<Task> tasks = {};  // makers before users
 
   std::string nameOf(TaskIndex task) const;  // "bunny transfer"
-  // What has to be done before: makers of inputs, and of the figures of rules.
+  // What has to be done before: makers of inputs, and of the figures of rules and parameters.
   std::set<TaskIndex> makersOf(TaskIndex task) const;
   // Of these, makers of the figures by which rules may omit the whole task: done before its inputs are made.
   std::set<TaskIndex> judgesOf(TaskIndex task) const;
@@ -76,7 +84,7 @@ inline constexpr const char* kNotNeeded = "nothing delivered needs it";
 // All parameters of a tool, canonical.
 formats::Json defaultParameters(const formats::ToolDescription& tool);
 
-// Parameters: the tool's defaults, then the recipe's (of which some are those of another stage), then
+// Parameters: the tool's defaults, then the recipe's (of which some are those of another stage, or a figure of one), then
 // asset.json's, then the settings. Checked against
 // what the tools say of themselves: stage, parameter and port names, types, ranges, kinds of files, required
 // inputs. Every mistake is put into `problems`, with file and JSON pointer; the graph is whole only if there

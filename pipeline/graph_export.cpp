@@ -39,6 +39,9 @@ std::string assetToDot(const Graph& graph, std::size_t asset) {
       if (rule.rule.omit)
         edges += "    " + quoted(graph.nameOf(rule.figure_maker)) + " -> " + name +
                  " [style=dotted, label=" + quoted(rule.rule.figure.port) + "];\n";
+    for (const MeasuredParameter& parameter : task.measured)
+      edges += "    " + quoted(graph.nameOf(parameter.maker)) + " -> " + name +
+               " [style=dotted, label=" + quoted(parameter.figure.port) + "];\n";
     for (const auto& [port, input] : task.inputs) {
       const std::string from = input.maker ? graph.nameOf(*input.maker) : input.file.string();
       if (!input.maker) nodes += "    " + quoted(from) + " [shape=note];\n";
@@ -76,6 +79,10 @@ std::string toText(const Graph& graph) {
       text += separator + rule.rule.figure.text();
       separator = ", ";
     }
+    for (const MeasuredParameter& parameter : task.measured) {
+      text += separator + parameter.figure.text();
+      separator = ", ";
+    }
     for (const auto& [port, deliverable] : task.deliverables) text += " -> " + task.outputs.at(port);
     if (!task.left_out.empty()) text += " (left out: " + task.left_out + ")";
     if (const std::string figures = omittedIf(task); !figures.empty())
@@ -90,6 +97,9 @@ Json toJson(const Graph& graph) {
   for (const Task& task : graph.tasks) {
     Json inputs = Json::object();
     for (const auto& [port, input] : task.inputs) inputs[port] = originOf(graph, input);
+    Json measured = Json::object();
+    for (const MeasuredParameter& parameter : task.measured)
+      measured[parameter.name] = parameter.figure.text();
     stages.push_back({{"asset", graph.assets[task.asset].name},
                       {"stage", task.stage},
                       {"tool", task.tool},
@@ -97,6 +107,7 @@ Json toJson(const Graph& graph) {
                       {"outputs", task.outputs},
                       {"deliverables", task.deliverables},
                       {"parameters", task.parameters},
+                      {"measured", std::move(measured)},
                       {"left_out", task.left_out},
                       {"left_out_if", omittedIf(task)}});
   }

@@ -9,13 +9,13 @@ namespace bakelight::pipeline {
 using formats::Json;
 namespace {
 
-double figureOf(const Graph& graph, const Task& task, const Wire& figure, const CacheEntry& entry) {
+double figureOf(const Graph& graph, const Task& task, const Wire& figure, const CacheEntry& entry,
+                const std::string& key = "leave_out") {
   const Json& stats = entry.run.stats;
   if (!stats.contains(figure.port) || !stats[figure.port].is_number())
-    throw badInput(
-        {graph.assets[task.asset].recipe + " (recipe)", "", "/stages/" + task.stage + "/leave_out"},
-        "the stage " + figure.stage + " tells no figure \"" + figure.port + "\"",
-        "a number in its stats.json");
+    throw badInput({graph.assets[task.asset].recipe + " (recipe)", "", "/stages/" + task.stage + "/" + key},
+                   "the stage " + figure.stage + " tells no figure \"" + figure.port + "\"",
+                   "a number in its stats.json");
   return stats[figure.port].get<double>();
 }
 
@@ -56,6 +56,9 @@ SettledTask settle(const Graph& graph, TaskIndex index,
                    const std::vector<std::optional<CacheEntry>>& entries) {
   const Task& task = graph.tasks[index];
   SettledTask settled{task.parameters, {}};
+  for (const MeasuredParameter& parameter : task.measured)
+    settled.parameters[parameter.name] =
+        figureOf(graph, task, parameter.figure, *entries.at(parameter.maker), "parameters/" + parameter.name);
   for (const TaskRule& rule : task.rules) {
     if (rule.rule.omit) continue;
     auto omission = judged(graph, task, rule, entries);

@@ -25,13 +25,13 @@ struct Omission {
 std::optional<Omission> omissionOf(const Graph& graph, TaskIndex task,
                                    const std::vector<std::optional<CacheEntry>>& entries);
 
-// A kept task's parameters after the rules, and which rules applied.
+// A kept task's parameters after figures and rules, and which rules applied.
 struct SettledTask {
   formats::Json parameters;
   std::vector<Omission> omissions;
 };
 
-// `entries`: what each task made, by index; those of the task's figures must be there. Throws
+// `entries`: what each task made, by index; those of the task's figures (of its rules and of measured parameters) must be there. Throws
 // Error(kBadInput) naming the recipe if the stage's stats have no such number.
 SettledTask settle(const Graph& graph, TaskIndex task, const std::vector<std::optional<CacheEntry>>& entries);
 

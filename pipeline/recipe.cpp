@@ -82,8 +82,13 @@ void parseParameters(const JsonReader& object, RecipeStage& stage, Problems& pro
       continue;
     }
     const JsonReader link = parameters.object(name);
-    problems.add(link.unknownKeys({"same_as"}));
-    problems.attempt([&] { stage.linked[name] = parseWire(link, "same_as"); });
+    problems.add(link.unknownKeys({"same_as", "figure"}));
+    problems.attempt([&] {
+      if (link.has("figure"))
+        stage.measured[name] = parseWire(link, "figure");
+      else
+        stage.linked[name] = parseWire(link, "same_as");
+    });
   }
 }
 
@@ -147,6 +152,10 @@ void checkWires(const Recipe& recipe, Problems& problems) {
       problems.attempt([&, parameter = parameter, link = link] {
         checkStage(recipe, link, {recipe.file, "", pointer + "/parameters/" + parameter + "/same_as"});
       });
+    for (const auto& [parameter, figure] : stage.measured)
+      problems.attempt([&, parameter = parameter, figure = figure] {
+        checkFigure(recipe, figure, {recipe.file, "", pointer + "/parameters/" + parameter + "/figure"});
+      });
     for (std::size_t i = 0; i < stage.leave_out.size(); ++i)
       for (const auto& [key, wire] :
            {std::pair("figure", stage.leave_out[i].figure), std::pair("error", stage.leave_out[i].error)})
@@ -196,6 +205,7 @@ std::set<std::string> RecipeStage::makers() const {
     makers.insert(rule.figure.stage);
     makers.insert(rule.error.stage);
   }
+  for (const auto& [parameter, figure] : measured) makers.insert(figure.stage);
   return makers;
 }
 

@@ -57,6 +57,8 @@ struct RecipeStage {
       {};  // file name by port; "{asset}" stands for the asset's name
   formats::Json parameters = formats::Json::object();
   std::map<std::string, Wire> linked = {};  // parameters that have the value of another stage's parameter
+  std::map<std::string, Wire> measured =
+      {};  // parameters that have the value of a figure, as "window.lambda"
   std::vector<LeaveOutRule> leave_out = {};
 
   bool mayBeOmitted() const;

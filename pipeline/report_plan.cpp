@@ -27,7 +27,7 @@ class PlanWriter {
                        {"lights", fileEntry(view.lights)},
                        {"frame", view.frame},
                        {"reference", made(sweep_.truths[i], sweep_.reference_output)}});
-      if (view.windowing) views.back()["windowing"] = *view.windowing;
+      if (!view.windowing.is_null()) views.back()["windowing"] = view.windowing;
     }
     return views;
   }

@@ -167,7 +167,8 @@ class Planner {
     Json tasks = Json::array();
     for (const Task& task : graph.tasks)
       if (task.asset == asset && task.left_out != kNotNeeded)
-        tasks.push_back({task.stage, task.parameters, task.left_out, task.rules.size(), task.deliverables});
+        tasks.push_back({task.stage, task.parameters, task.left_out, task.rules.size(), task.measured.size(),
+                         task.deliverables});
     return tasks.dump();
   }
 
@@ -177,7 +178,7 @@ class Planner {
     if (own_light) lights["light"] = fs::path();
     const JsonReader own(base_.report, base_.file, "/report");
     const JsonReader cameras = own.has("cameras") ? own.object("cameras") : how_.cameras();
-    const std::optional<double> windowing = playersWindowing();
+    const Json windowing = playersWindowing();
     for (const auto& [light, path] : lights)
       for (const std::string& camera : cameras.keys()) {
         View view{.name = fileName(light + "-" + camera), .light = light, .camera = camera};
@@ -199,12 +200,16 @@ class Planner {
           badInput({recipe_.file, "", "/report/cameras"}, "there is no camera", "one camera or more"));
   }
 
-  std::optional<double> playersWindowing() const {
+  // A figure that settles it is of the asset's own light and frame: for others the report finds it anew.
+  Json playersWindowing() const {
+    constexpr const char* kWindowing = "windowing";
     const auto frame = tasks_.find({kept_[of_variant_.front().variant], how_.frameStage()});
-    if (frame == tasks_.end()) return std::nullopt;
-    const Json& parameters = sweep_.graph.tasks[frame->second].parameters;
-    const auto windowing = parameters.find("windowing");
-    if (windowing == parameters.end() || *windowing == "rig") return std::nullopt;
+    if (frame == tasks_.end()) return nullptr;
+    const Task& task = sweep_.graph.tasks[frame->second];
+    for (const MeasuredParameter& parameter : task.measured)
+      if (parameter.name == kWindowing) return "measured";
+    const auto windowing = task.parameters.find(kWindowing);
+    if (windowing == task.parameters.end() || *windowing == "rig") return nullptr;
     if (*windowing == "auto") return -1.0;
     return windowing->is_number() ? windowing->get<double>() : 0.0;
   }

@@ -36,8 +36,8 @@ namespace bakelight::pipeline {
 struct View {
   std::string name, light, camera;                      // "studio-front", "studio", "front"
   std::filesystem::path environment = {}, lights = {};  // either may be empty
-  std::optional<double> windowing = {};                 // of the player; none: as the lights say
-  formats::Json frame = formats::Json::object();        // parameters of the picture
+  formats::Json windowing = {};                   // of the player, or "measured"; null: as the lights say
+  formats::Json frame = formats::Json::object();  // parameters of the picture
 };
 
 // One picture a view, each differing from the link before in one cause: path-traced, or of a pack.

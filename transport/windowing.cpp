@@ -28,11 +28,6 @@ int orderOf(const ShLight& light) {
   return order;
 }
 
-double bandFactor(int l, double lambda) {
-  const double laplacian = static_cast<double>(l) * (l + 1);
-  return 1 / (1 + lambda * laplacian * laplacian);
-}
-
 double squaredNormBeyondMean(const ShLight& light) {
   double sum = 0;
   for (std::size_t i = 1; i < light.size(); ++i)
@@ -79,6 +74,11 @@ class BandLuminance {
 };
 
 }  // namespace
+
+double bandFactor(int l, double lambda) {
+  const double laplacian = static_cast<double>(l) * (l + 1);
+  return 1 / (1 + lambda * laplacian * laplacian);
+}
 
 WindowedLight window(const ShLight& light, double lambda) {
   const int order = orderOf(light);

@@ -8,6 +8,9 @@
 
 namespace bakelight::transport {
 
+// What a window of strength λ leaves of band l.
+double bandFactor(int l, double lambda);
+
 struct WindowedLight {
   ShLight light;
   double lambda = 0;

@@ -20,15 +20,13 @@
 #include <vector>
 
 #include "compression/clustered_rows.h"
+#include "compression/coded_sums.h"
 #include "compression/errors.h"
 #include "compression/haar_rows.h"
 #include "compression/harmonics.h"
-#include "compression/shared_sums.h"
-#include "compression/tolerance.h"
 #include "compression/wavelets_4d.h"
 #include "formats/light_rig_file.h"
 #include "formats/mesh_import.h"
-#include "formats/sum_grammar_code.h"
 #include "tools/simplify/simplify.h"
 #include "tools/transfer/pixel_transfer.h"
 #include "transport/cube_light.h"
@@ -96,33 +94,12 @@ struct Subject {
       exact.emplace_back(rows.view().rowCount());
       transport::multiply(rows.view(), light.energies, exact.back());
     }
-    sums = sumsOf(rows.view());
-  }
-  static CompressedTransfer sumsOf(const formats::PixelCodes& codes) {
-    formats::SumGrammar grammar = compress(codes);
-    const std::uint64_t bytes = formats::encodeSums(grammar).byteCount(),
-                        operations = operationsOf(grammar).counted;
-    return sharedSums(std::move(grammar), bytes, operations);
+    sums = exactSums(rows.view());
   }
 };
 const Subject& subject() {
   static const Subject made;
   return made;
-}
-
-CompressedTransfer tolerantSums(std::uint64_t budget) {
-  std::optional<CompressedTransfer> best;
-  solveForBytes(
-      [&](double tolerance) {
-        CompressedTransfer sums =
-            Subject::sumsOf(withinTolerance(subject().rows.view(), tolerance).rows.view());
-        sums.parameters = "tolerance " + std::to_string(tolerance);
-        const std::uint64_t bytes = sums.bytes;
-        if (bytes <= budget && (!best || bytes >= best->bytes)) best = std::move(sums);
-        return bytes;
-      },
-      budget, 0.2, 8);
-  return std::move(*best);
 }
 
 struct Method {
@@ -132,7 +109,7 @@ struct Method {
 const Method kMethods[] = {
     {"_rows", [](std::uint64_t) { return plainRows(subject().rows.view()); }},
     {"_sums", [](std::uint64_t) { return *subject().sums; }},
-    {"_within", tolerantSums},
+    {"_within", [](std::uint64_t budget) { return sumsWithin(budget, subject().rows.view()); }},
     {"_cpca",
      [](std::uint64_t budget) {
        constexpr int kComponents[] = {4, 8, 12};

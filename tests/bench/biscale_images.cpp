@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "tools/reference/estimates.h"
-#include "tools/reference/path_tracer.h"
 #include "transport/bi_scale_shading.h"
 #include "transport/periodic_ray_scene.h"
 #include "transport/random.h"
@@ -91,10 +90,11 @@ double SquaredError::relative() const {
   return std::sqrt(std::max(difference, 0.0) / square);
 }
 
-Image truthImage(const reference::Scene& scene, Macro macro, const Window& window, int batches) {
+Image truthImage(const reference::Scene& scene, Macro macro, const Window& window, int batches,
+                 reference::Transport transport) {
   using transport::StratifiedBatch;
   const Vec3 towards = window.towardsEye();
-  const reference::PathTracer tracer(scene, {});
+  const reference::PathTracer tracer(scene, {.transport = transport});
   Image image = emptyImage(window.side);
   std::vector<double> variances(static_cast<std::size_t>(window.side), 0.0);
   tbb::parallel_for(0, window.side, [&](int y) {
@@ -122,16 +122,20 @@ Image truthImage(const reference::Scene& scene, Macro macro, const Window& windo
   return image;
 }
 
-Image packImage(const formats::Pack& pack, Macro macro, int steps, std::span<const Float3> light,
-                const Window& window) {
-  transport::BiScaleShading shading(pack);
-  shading.setLight(light, {});
+Image shadedImage(transport::PackShading& shading, Macro macro, int steps, const Window& window) {
   shading.setView(transport::ViewPoint(kFar * window.towardsEye()));
   return sampledImage(macro, steps, window, [&](const MacroPoint& at, double, double) {
     Float3 radiance;
     shading.radianceAt({&at.hit, 1}, {&radiance, 1});
     return radiance;
   });
+}
+
+Image packImage(const formats::Pack& pack, Macro macro, int steps, std::span<const Float3> light,
+                const Window& window) {
+  transport::BiScaleShading shading(pack);
+  shading.setLight(light, {});
+  return shadedImage(shading, macro, steps, window);
 }
 
 NormalMap normalMapOf(const patch::PatchGeometry& geometry, int side) {

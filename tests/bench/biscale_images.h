@@ -8,6 +8,7 @@
 #include "formats/pack_contents.h"
 #include "patch/patch_geometry.h"
 #include "tests/bench/biscale_subject.h"
+#include "tools/reference/path_tracer.h"
 #include "tools/reference/scene.h"
 #include "transport/lights.h"
 
@@ -39,7 +40,10 @@ struct SquaredError {
   double relative() const;  // root mean square
 };
 
-Image truthImage(const reference::Scene& scene, Macro macro, const Window& window, int batches);
+Image truthImage(const reference::Scene& scene, Macro macro, const Window& window, int batches,
+                 reference::Transport transport = reference::Transport::kFull);
+// Of a pack over macroMesh of `steps`, by its shading, to which light has been given.
+Image shadedImage(transport::PackShading& shading, Macro macro, int steps, const Window& window);
 // `steps` of the pack's macroMesh.
 Image packImage(const formats::Pack& pack, Macro macro, int steps, std::span<const Float3> light,
                 const Window& window);

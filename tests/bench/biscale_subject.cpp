@@ -12,7 +12,9 @@
 #include "patch/tiling.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/pack/packing.h"
+#include "tools/rtt/directional.h"
 #include "tools/transfer/open_horizon.h"
+#include "tools/transfer/pixel_file.h"
 #include "tools/transfer/transfer_file.h"
 #include "transport/bi_scale_comparison.h"
 #include "transport/bi_scale_shading.h"
@@ -55,7 +57,8 @@ transfer::TransferSettings settingsOf(const TriangleMesh& mesh, const BakeVarian
   settings.storage = transfer::Storage::kMatrix;
   settings.frames = transfer::FrameSource::kTexcoords;
   settings.options.order = settings.options.row_order = variant.order;
-  settings.options.transport = transfer::Transport::kInterreflected;
+  settings.options.transport =
+      variant.bounces ? transfer::Transport::kInterreflected : transfer::Transport::kShadowed;
   settings.options = transfer::bakeOptions(settings);
   settings.options.tangents = transport::textureFrames(mesh).tangents;
   return settings;
@@ -80,6 +83,15 @@ formats::Pack packOf(const TriangleMesh& mesh, const rtt::Rtt& rtt, const BakeVa
   packing::PatchSources patches{{rtt.texture}, {}, {{"", kPatchWidth}}};
   return packing::assemblePack(mesh, formats::readSafetensors(folder / "transfer.safetensors"), nullptr,
                                options, {"mesh", "transfer", "", "material", "rtt"}, patches);
+}
+
+rtt::Options optionsOf(const BakeVariant& variant) {
+  rtt::Options options;
+  options.order = variant.order;
+  options.views = variant.views;
+  options.resolution = variant.resolution;
+  if (!variant.bounces) options.bounces = 0;
+  return options;
 }
 
 formats::Pack withoutMeso(formats::Pack pack, const Float3& albedo) {
@@ -137,15 +149,11 @@ patch::PatchGeometry patchOf(const std::string& name) {
 }
 
 const rtt::Rtt& rttOf(const std::string& patch_name, const BakeVariant& variant) {
-  static std::map<std::tuple<std::string, int, int, int>, rtt::Rtt> made;
+  static std::map<std::tuple<std::string, int, int, int, bool>, rtt::Rtt> made;
   const auto [found, is_new] =
-      made.try_emplace({patch_name, variant.order, variant.views, variant.resolution});
-  if (!is_new) return found->second;
-  rtt::Options options;
-  options.order = variant.order;
-  options.views = variant.views;
-  options.resolution = variant.resolution;
-  return found->second = rtt::makeRtt(patchOf(patch_name), options, [] {});
+      made.try_emplace({patch_name, variant.order, variant.views, variant.resolution, variant.bounces});
+  if (is_new) found->second = rtt::makeRtt(patchOf(patch_name), optionsOf(variant), [] {});
+  return found->second;
 }
 
 Packs packsOf(const std::string& patch_name, Macro macro, const BakeVariant& variant) {
@@ -154,6 +162,21 @@ Packs packsOf(const std::string& patch_name, Macro macro, const BakeVariant& var
   packs.macro_only = withoutMeso(packs.bi_scale, rtt.figures.mean_albedo);
   packs.meso_only = transport::withEffects(packs.bi_scale, transport::BiScaleEffects::kNoMacro);
   return packs;
+}
+
+formats::Pack allFrequencyPackOf(const std::string& patch_name, Macro macro, const BakeVariant& variant) {
+  const TriangleMesh mesh = macroMesh(macro, variant.macro_steps);
+  transfer::PixelOptions pixel;
+  pixel.tangents = transport::textureFrames(mesh).tangents;
+  const tests::TemporaryFolder folder;
+  stage::Progress silent(stage::ProgressStyle::kNone, "", 0, "");
+  transfer::writePixelTransfer(folder / "transfer.safetensors", mesh, pixel, silent);
+  packing::PackingOptions options;
+  options.rtt.relief = variant.relief;
+  packing::PatchSources patches{{rttOf(patch_name, variant).texture}, {}, {{"", kPatchWidth}}};
+  patches.btfs[""] = rtt::makeBtf(patchOf(patch_name), optionsOf(variant), {}, patch_name, [] {}).btf;
+  return packing::assemblePack(mesh, formats::readSafetensors(folder / "transfer.safetensors"), nullptr,
+                               options, {"mesh", "transfer", "", "material", "rtt"}, patches);
 }
 
 reference::Surface truthOf(const std::string& patch_name, Macro macro) {

@@ -46,6 +46,7 @@ struct BakeVariant {
   // Matrices that leave light below a vertex's own horizon alone, as patches do not see it.
   bool open_horizon = true;  // as the recipe bakes
   bool relief = true;        // views looked up along it
+  bool bounces = true;       // at both scales
 
   auto operator<=>(const BakeVariant&) const = default;
 };
@@ -59,6 +60,10 @@ struct Packs {
   formats::Pack meso_only;   // light as if the macro surface shadowed nothing: turned, no more
 };
 Packs packsOf(const std::string& patch_name, Macro macro, const BakeVariant& variant);
+
+// Of all frequencies: a cube map of light of 6 × 32 × 32 texels of 2 × 2 rays, BTFs of 8 × 8 lights, packed as the recipe does. The macro surface's transfer is direct
+// light alone, whatever the variant says.
+formats::Pack allFrequencyPackOf(const std::string& patch_name, Macro macro, const BakeVariant& variant);
 
 // What reference traces: the patch's own triangles all over the macro surface.
 reference::Surface truthOf(const std::string& patch_name, Macro macro);

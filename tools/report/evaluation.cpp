@@ -130,11 +130,24 @@ Evaluation Evaluator::evaluate(int rounds, const std::function<void()>& advanced
 
 std::shared_ptr<const Evaluator::Pictures> Evaluator::picturesOf(const PlanFile& pack) {
   return pictures_.get(pack.hash, [&] {
+    const formats::Pack read = sources_.pack(pack.path);
+    std::vector<Picture> made;
+    if (plan_.views.front().windows_measured)
+      if (auto windowed = measureWindows(read, plan_, *renderer_, truth_, exposures_)) {
+        made = std::move(windowed->pictures);
+        windows_[pack.hash] = std::move(windowed->windows);
+      }
+    if (made.empty()) made = renderer_->picturesOf(read);
     Pictures pictures;
-    for (Picture& picture : renderer_->picturesOf(sources_.pack(pack.path)))
-      pictures.push_back({std::move(picture), {}});
+    for (Picture& picture : made) pictures.push_back({std::move(picture), {}});
     return pictures;
   });
+}
+
+std::optional<WindowChoice> Evaluator::windowOf(const PlanFile& pack, std::size_t view) {
+  picturesOf(pack);
+  const auto found = windows_.find(pack.hash);
+  return found == windows_.end() ? std::nullopt : std::optional(found->second[view]);
 }
 
 std::shared_ptr<const Evaluator::Pictures> Evaluator::picturesOf(const ChainLink& link) {
@@ -172,6 +185,11 @@ void Evaluator::measureErrors(const PlanVariant& variant, VariantFigures& figure
     flip_sum += flip_of_view * static_cast<double>(pixels);
     flip_pixels += pixels;
     coverage_sum += errors.coverage_error;
+  }
+  for (std::size_t view = 0; view < plan_.views.size(); ++view) {
+    const bool is_first = view == 0 || plan_.views[view].light != plan_.views[view - 1].light;
+    if (const auto window = windowOf(variant.pack, view); window && is_first)
+      figures.windows.push_back({plan_.views[view].light, *window});
   }
   figures.errors = {rootMeanSquare(rel_rmse), percentile(std::move(differences), 0.99),
                     flip_pixels > 0 ? flip_sum / static_cast<double>(flip_pixels) : 0,

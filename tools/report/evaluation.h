@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +16,7 @@
 #include "tools/report/renderer.h"
 #include "tools/report/sources.h"
 #include "tools/report/timing.h"
+#include "tools/report/window.h"
 
 namespace bakelight::report {
 
@@ -27,10 +29,16 @@ struct CauseError {
   double rel_rmse = 0;
 };
 
+struct LightWindow {
+  std::string light;  // of the views
+  WindowChoice choice;
+};
+
 struct VariantFigures {
   ErrorFigures errors;                     // over all views
   std::vector<ErrorFigures> view_errors;   // a view
   std::vector<CauseError> causes;          // a link of the chain
+  std::vector<LightWindow> windows;        // of each light, where they are measured
   Spread light_change_ms, view_change_ms;  // on the CPU
   std::uint64_t bytes = 0;
   double bake_s = 0, bake_cpu_s = 0;
@@ -83,6 +91,8 @@ class Evaluator {
 
   using Pictures = std::vector<Reference>;  // a view
   std::shared_ptr<const Pictures> picturesOf(const PlanFile& pack);
+  // Nothing for a pack whose light is not in spherical harmonics.
+  std::optional<WindowChoice> windowOf(const PlanFile& pack, std::size_t view);
   const Pictures& truth() const { return truth_; }
   double exposure(std::size_t view) const { return exposures_[view]; }
 
@@ -101,6 +111,7 @@ class Evaluator {
   std::vector<double> exposures_;
   std::vector<FlipReference> flips_;
   RecentlyUsed<Pictures> pictures_;
+  std::map<std::string, std::vector<WindowChoice>> windows_;  // by hash of the pack: a view
 };
 
 // Distances of all picture pairs over their views, in units of `truth`'s rms: root of the mean square.

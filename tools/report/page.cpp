@@ -190,9 +190,9 @@ std::string pageHtml(const Plan& plan, const Evaluation& evaluation, const Thumb
          escaped(plan.asset) + ": error against run time</title>\n<style>" + pageStyle() +
          "</style>\n</head>\n<body>\n" + head(plan, evaluation, thumbnails) +
          plots(plan, evaluation, varied) + pictures(plan, evaluation, thumbnails) +
-         causesTable(plan, evaluation) + variantsTable(plan, evaluation) + storageTable(plan, evaluation) +
-         leftOutTable(plan, evaluation, varied) + stagesTable(plan, varied) + failedTable(plan) +
-         definitions(plan, evaluation) + "</body>\n</html>\n";
+         causesTable(plan, evaluation) + windowsTable(plan, evaluation) + variantsTable(plan, evaluation) +
+         storageTable(plan, evaluation) + leftOutTable(plan, evaluation, varied) + stagesTable(plan, varied) +
+         failedTable(plan) + definitions(plan, evaluation) + "</body>\n</html>\n";
 }
 
 }  // namespace bakelight::report

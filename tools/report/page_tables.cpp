@@ -216,6 +216,30 @@ std::string causesTable(const Plan& plan, const Evaluation& evaluation) {
   return html + kTableEnd;
 }
 
+std::string windowsTable(const Plan& plan, const Evaluation& evaluation) {
+  std::string rows;
+  for (std::size_t v = 0; v < plan.variants.size(); ++v)
+    for (const auto& [light, choice] : evaluation.variants[v].windows) {
+      rows += "<tr>" + cell(escaped(plan.variants[v].name)) + cell(escaped(light)) +
+              cell(numberText(choice.lambda));
+      for (const double error :
+           {choice.without.displayed, choice.error.displayed, choice.without.radiance, choice.error.radiance})
+        rows += cell(numberText(100 * error));
+      rows += "</tr>\n";
+    }
+  if (rows.empty()) return "";
+  return "<h2>Windows against ringing</h2>\n<p>Of each light: the strength λ with which what is shown errs "
+         "least over its views.</p>\n" +
+         tableBegin({{"variant", "", true},
+                     {"light", "", true},
+                     {"λ", "", true},
+                     {"displayed, without", "%", true},
+                     {"displayed, with", "%", true},
+                     {"radiance, without", "%", true},
+                     {"radiance, with", "%", true}}) +
+         rows + kTableEnd;
+}
+
 std::string variantsTable(const Plan& plan, const Evaluation& evaluation) {
   const std::vector<Column> columns = variantColumns(plan, evaluation);
   std::vector<Heading> headings = {{"variant", "", true}};

@@ -10,6 +10,8 @@
 namespace bakelight::report {
 
 std::string causesTable(const Plan& plan, const Evaluation& evaluation);
+// Windows that were chosen by the error that they save.
+std::string windowsTable(const Plan& plan, const Evaluation& evaluation);
 std::string variantsTable(const Plan& plan, const Evaluation& evaluation);
 // Ways to store a transfer matrix in a pixel basis.
 std::string storageTable(const Plan& plan, const Evaluation& evaluation);

@@ -37,6 +37,9 @@ std::filesystem::path pathOf(const std::optional<JsonReader>& element) {
   return element ? fileOf(*element).path : std::filesystem::path();
 }
 
+// In place of a number.
+constexpr const char* kMeasured = "measured";
+
 PlanView viewOf(const JsonReader& element) {
   requireKeys(element, {"name", "light", "camera", "frame", "reference"},
               {"environment", "lights", "windowing"});
@@ -46,7 +49,10 @@ PlanView viewOf(const JsonReader& element) {
   view.camera = element.text("camera");
   view.environment_path = pathOf(given(element, "environment"));
   view.lights_path = pathOf(given(element, "lights"));
-  if (const auto windowing = given(element, "windowing")) view.windowing = windowing->number();
+  if (const auto windowing = given(element, "windowing")) {
+    view.windows_measured = windowing->value() == kMeasured;
+    view.windowing = view.windows_measured ? 0 : windowing->number();
+  }
   const JsonReader frame = element.at("frame");
   view.frame = formats::frameSettingsFromJson(frame.value(), frame.file(), frame.pointer());
   view.frame.background = formats::Background::kTransparent;

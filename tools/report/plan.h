@@ -25,6 +25,7 @@ struct PlanView {
   std::string name, light, camera;
   std::filesystem::path environment_path, lights_path;  // as formats::readLights; may be empty
   std::optional<double> windowing;                      // of formats::readLights
+  bool windows_measured = false;  // for each pack that of least error (window.h); `windowing` is then 0
   formats::FrameSettings frame;
   PlanFile reference;
 };

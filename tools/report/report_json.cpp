@@ -64,6 +64,13 @@ Json variantOf(const Plan& plan, const PlanVariant& variant, const VariantFigure
   json["causes"] = Json::array();
   for (const CauseError& cause : figures.causes)
     json["causes"].push_back({{"cause", cause.cause}, {"rel_rmse", cause.rel_rmse}});
+  for (const LightWindow& window : figures.windows)
+    json["windows"].push_back({{"light", window.light},
+                               {"lambda", window.choice.lambda},
+                               {"displayed_error", window.choice.error.displayed},
+                               {"displayed_error_without", window.choice.without.displayed},
+                               {"rel_rmse", window.choice.error.radiance},
+                               {"rel_rmse_without", window.choice.without.radiance}});
   json["stages"] = Json::array();
   for (const StageFigures& stage : variant.stages) json["stages"].push_back(jsonOf(stage));
   json["left_out"] = Json::array();

@@ -1,17 +1,15 @@
 #include "tools/report/storage.h"
 
 #include <algorithm>
-#include <optional>
 #include <stdexcept>
 
 #include "compression/clustered_rows.h"
+#include "compression/coded_sums.h"
 #include "compression/errors.h"
 #include "compression/haar_rows.h"
 #include "compression/harmonics.h"
 #include "compression/shared_sums.h"
-#include "compression/tolerance.h"
 #include "compression/wavelets_4d.h"
-#include "formats/sum_grammar_code.h"
 #include "tools/report/text.h"
 #include "transport/all_frequency_shading.h"
 #include "transport/morton.h"
@@ -56,32 +54,6 @@ std::vector<std::uint32_t> orderOf(const formats::Pack& pack) {
       known[block] = 1;
     }
   return transport::mortonOrder(positions);
-}
-
-CompressedTransfer sumsOf(const formats::PixelCodes& codes) {
-  formats::SumGrammar grammar = compression::compress(codes);
-  const std::uint64_t bytes = formats::encodeSums(grammar).byteCount(),
-                      operations = compression::operationsOf(grammar).counted;
-  return compression::sharedSums(std::move(grammar), bytes, operations);
-}
-
-// The largest tolerance that is needed for the bytes, so the largest size within them.
-CompressedTransfer tolerantSums(std::uint64_t budget, const formats::PixelCodes& codes) {
-  constexpr double kUsualTolerance = 0.15;
-  std::optional<CompressedTransfer> best;
-  double best_tolerance = 1;
-  compression::solveForBytes(
-      [&](double tolerance) {
-        CompressedTransfer sums = sumsOf(compression::withinTolerance(codes, tolerance).rows.view());
-        const std::uint64_t bytes = sums.bytes;
-        if (bytes <= budget && (!best || bytes >= best->bytes))
-          best = std::move(sums), best_tolerance = tolerance;
-        return bytes;
-      },
-      budget, kUsualTolerance, 8);
-  best->name = "sums_within";
-  best->parameters = "tolerance " + numberText(best_tolerance, 2);
-  return std::move(*best);
 }
 
 class Measuring {
@@ -157,7 +129,7 @@ StorageFigures measureStorage(const formats::Pack& pack, const Plan& plan, Rende
     advanced();
   };
   add(0, compression::plainRows(codes));
-  const CompressedTransfer sums = sumsOf(codes);
+  const CompressedTransfer sums = compression::exactSums(codes);
   add(1, sums);
   compression::WaveletRows haar;
   const bool has_haar = compression::hasHaar(codes.cube_side);
@@ -173,7 +145,7 @@ StorageFigures measureStorage(const formats::Pack& pack, const Plan& plan, Rende
         advanced();
       }
     };
-    if (share < 1) attempt([&] { return tolerantSums(budget, codes); });
+    if (share < 1) attempt([&] { return compression::sumsWithin(budget, codes); });
     attempt([&] {
       const int components[] = {share < 1 ? kComponentsOfFewBytes : kComponents};
       return compression::clusteredWithin(budget, codes, components, kRounds);

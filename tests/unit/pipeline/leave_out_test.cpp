@@ -79,6 +79,45 @@ class LeaveOut : public testing::Test {
   int revision_ = 0;
 };
 
+// A parameter that a figure settles: known only once its stage has run, weaker than what a person says.
+TEST_F(LeaveOut, AFigureMaySettleAParameter) {
+  Json& transfer = recipe_["stages"]["transfer"];
+  transfer["leave_out"] = Json::array();
+  transfer["parameters"]["strength"] = {{"figure", "survey.bounces"}};
+  const Json mesh = {{"name", "mesh"}, {"kind", "mesh"}, {"required", true}, {"help", ""}};
+  const Json output = {{"name", "transfer"}, {"kind", "tensors"}, {"required", true}, {"help", ""}};
+  workshop_.runner.install(
+      "transfer",
+      {{{"tool", "transfer"},
+        {"summary", ""},
+        {"execution_path", ""},
+        {"inputs", {mesh}},
+        {"outputs", {output}},
+        {"parameters",
+         {{{"name", "strength"},
+           {"type", "real"},
+           {"default", 7.0},
+           {"min", 0.0},
+           {"max", 9.0},
+           {"unit", ""},
+           {"help", ""}},
+          text("tint", "white", {"white", "red"})}}},
+       [](const auto&, const Json& parameters) {
+         return std::map<std::string, std::string>{{"transfer", parameters.at("strength").dump()}};
+       }});
+  EXPECT_EQ(baked(), "0.3");
+  measure(0.5, 0.2, 0.25);
+  EXPECT_EQ(baked(), "0.25");
+  EXPECT_EQ(workshop_.record().at("stages").at("transfer").at("reason"), "strength changed from 0.3 to 0.25");
+  workshop_.writeAssetFile("cube", {{"mesh", "cube.obj"}, {"stages", {{"transfer", {{"strength", 2}}}}}});
+  EXPECT_EQ(baked(), "2.0");
+  EXPECT_EQ(workshop_.record().at("stages").at("survey").at("status"), "left-out");
+
+  recipe_["stages"]["transfer"]["parameters"]["strength"] = {{"figure", "suvey.bounces"}};
+  workshop_.disk.write("recipes/prt.json", recipe_.dump());
+  EXPECT_THAT(workshop_.problems(), ElementsAre(HasSubstr("/stages/transfer/parameters/strength/figure")));
+}
+
 TEST_F(LeaveOut, FiguresAboveTheThresholdsLeaveNothingOut) {
   EXPECT_EQ(baked(), "interreflected");
   EXPECT_TRUE(omissions().empty());

@@ -171,8 +171,10 @@ report::Sources MadeReport::sources() const {
         return formats::encodePack(packs.at(path.string()), {}, path.string()).size();
       },
       image, [this](const std::filesystem::path& path) { return metadata.at(path.string()); },
-      [image](const std::filesystem::path& environment, const std::filesystem::path&, std::optional<double>) {
+      [image](const std::filesystem::path& environment, const std::filesystem::path&,
+              std::optional<double> windowing) {
         formats::LightRig rig;
+        rig.windowing = windowing.value_or(0);
         if (!environment.empty())
           rig.distant.push_back(formats::EnvironmentLight{environment, image(environment)});
         return rig;

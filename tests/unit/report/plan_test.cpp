@@ -61,6 +61,9 @@ TEST(Plan, MayLackWhatADriverCannotGive) {
   json.erase("failed");
   for (const char* key : {"stages", "left_out", "chain"}) json["variants"][0].erase(key);
   json["variants"][0]["player"] = nullptr;
+  json["views"][0]["windowing"] = "measured";
+  EXPECT_TRUE(planFromJson(json, "plan.json").views[0].windows_measured);
+  EXPECT_EQ(planFromJson(json, "plan.json").views[0].windowing, 0);
   json["views"][0].erase("windowing");
   const Plan plan = planFromJson(json, "plan.json");
   EXPECT_FALSE(plan.variants[0].gl);
