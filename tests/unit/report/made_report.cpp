@@ -165,20 +165,19 @@ report::Plan MadeReport::plan() const {
 
 report::Sources MadeReport::sources() const {
   const auto image = [this](const std::filesystem::path& path) { return images.at(path.string()); };
-  return {
-      [this](const std::filesystem::path& path) { return packs.at(path.string()); },
-      [this](const std::filesystem::path& path) {
-        return formats::encodePack(packs.at(path.string()), {}, path.string()).size();
-      },
-      image, [this](const std::filesystem::path& path) { return metadata.at(path.string()); },
-      [image](const std::filesystem::path& environment, const std::filesystem::path&,
-              std::optional<double> windowing) {
-        formats::LightRig rig;
-        rig.windowing = windowing.value_or(0);
-        if (!environment.empty())
-          rig.distant.push_back(formats::EnvironmentLight{environment, image(environment)});
-        return rig;
-      }};
+  return {[this](const std::filesystem::path& path) { return packs.at(path.string()); },
+          [this](const std::filesystem::path& path) {
+            return formats::encodePack(packs.at(path.string()), {}, path.string()).size();
+          },
+          image, [this](const std::filesystem::path& path) { return metadata.at(path.string()); },
+          [image](const std::filesystem::path& environment, const std::filesystem::path&,
+                  std::optional<double> windowing) {
+            formats::LightRig rig;
+            rig.windowing = windowing.value_or(0);
+            if (!environment.empty())
+              rig.distant.push_back(formats::EnvironmentLight{environment, image(environment)});
+            return rig;
+          }};
 }
 
 std::filesystem::path MadeReport::write(const std::filesystem::path& folder) const {
