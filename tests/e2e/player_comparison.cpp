@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <vector>
 
@@ -53,7 +54,7 @@ void runPlayer(const fs::path& executable, const fs::path& pack_path, const Play
   option("object-pitch-deg", std::to_string(settings.object_pitch_deg));
   option("time-s", std::to_string(settings.time_s));
   if (lights.windowing)
-    option("windowing", *lights.windowing < 0 ? "auto" : std::to_string(*lights.windowing));
+    option("windowing", *lights.windowing < 0 ? "auto" : formats::Json(*lights.windowing).dump());
   option("cube-resolution", std::to_string(lights.cube_resolution));
   option("auto-exposure", settings.auto_exposure ? "true" : "false");
   option("exposure-ev", std::to_string(settings.exposure_ev));
