@@ -539,6 +539,9 @@ Comparison comparePacks(const Pack& pack, const Pack& reference, const CompareLi
     agree(comparison, name + " base color", appearance.base_color, expected.base_color);
     compareParts(comparison, name, appearance.reflection, expected.reflection, limits);
   }
+  if (agree(comparison, "neighborhood", pack.neighborhood.has_value(), reference.neighborhood.has_value()) &&
+      pack.neighborhood)
+    compareParts(comparison, "neighborhood", *pack.neighborhood, *reference.neighborhood, limits);
   return comparison;
 }
 

@@ -203,6 +203,10 @@ class Checker {
       pack.appearances[i].reflection.describe(reflection);
       checkCombination(pack.appearances[i].reflection, "material " + std::to_string(i));
     }
+    if (pack.neighborhood) {
+      FieldChecker neighborhood(mesh_, file_, "neighborhood");
+      pack.neighborhood->describe(neighborhood);
+    }
   }
 
  private:

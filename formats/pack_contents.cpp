@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "formats/btf_reflection.h"
+#include "formats/neighborhood.h"
 #include "formats/pixel_transfer.h"
 #include "formats/rtt_reflection.h"
 #include "formats/translucency.h"
@@ -177,6 +178,11 @@ PackPartKinds& reflectionKinds() {
   return kinds;
 }
 
+PackPartKinds& neighborhoodKinds() {
+  static PackPartKinds kinds = {PackPartKind::of<Neighborhood>()};
+  return kinds;
+}
+
 ShTransfer& Pack::sh() {
   auto* result = transfer.as<ShTransfer>();
   if (result == nullptr)
@@ -227,6 +233,7 @@ void permuteVertices(Pack& pack, std::span<const std::uint32_t> source_from_targ
   permuter.permute(pack.colors);
   pack.transfer.describe(permuter);
   for (Appearance& appearance : pack.appearances) appearance.reflection.describe(permuter);
+  if (pack.neighborhood) pack.neighborhood->describe(permuter);
 }
 
 }  // namespace bakelight::formats

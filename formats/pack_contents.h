@@ -135,6 +135,7 @@ struct Appearance {
 PackPartKinds& transferKinds();  // "sh", "pixel"
 PackPartKinds&
 reflectionKinds();  // "lambert", "phong", "ggx", "table", "radiance_transfer_texture", "btf", "translucency"
+PackPartKinds& neighborhoodKinds();  // "neighborhood"
 
 struct Pack {
   std::string name;  // of the asset
@@ -144,6 +145,7 @@ struct Pack {
   std::vector<Float3> colors = {};  // empty, or an albedo a vertex, linear, 0–1
   PackPart transfer = ShTransfer{};
   std::vector<Appearance> appearances = {Appearance{}};  // one or more
+  std::optional<PackPart> neighborhood = {};             // what the object does to the light around it
 
   // The transfer, which must be of this kind: else std::invalid_argument.
   const ShTransfer& sh() const;

@@ -10,6 +10,7 @@ namespace {
 
 const std::string kMesh = "/meshes/0";
 const std::string kTransfer = kMesh + "/extensions/" + kTransferExtension;
+const std::string kNeighborhood = std::string("/nodes/0/extensions/") + kTransferExtension;
 
 // Fills the fields of a part from its JSON. What is out of range is found by checkPack; here only what cannot
 // be read at all is refused.
@@ -130,6 +131,8 @@ class PackReader : private PackReading {
     if (primitives_.size() > 1)
       for (const Appearance& appearance : pack.appearances)
         pack.mesh.material_names.push_back(appearance.material);
+    if (glb_.has(kNeighborhood))
+      pack.neighborhood = readPart(kNeighborhood, neighborhoodKinds(), kNoTangents);
     return pack;
   }
 

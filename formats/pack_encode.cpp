@@ -179,6 +179,8 @@ class PackEncoder {
     addVertexAttribute(primitives, "COLOR_0", "colors", pack_.colors, "VEC3");
     document_["meshes"] = {std::move(mesh)};
     for (Appearance& appearance : pack_.appearances) document_["materials"].push_back(materialOf(appearance));
+    if (pack_.neighborhood)
+      document_["nodes"][0]["extensions"][kTransferExtension] = fieldsOf(*pack_.neighborhood);
     return writer_.finish(std::move(document_), file);
   }
 

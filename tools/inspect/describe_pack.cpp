@@ -104,6 +104,7 @@ Section tableSection(const formats::Pack& pack) {
   addTables(section, "", pack.transfer);
   for (std::size_t i = 0; i < pack.appearances.size(); ++i)
     addTables(section, "material " + std::to_string(i) + " ", pack.appearances[i].reflection);
+  if (pack.neighborhood) addTables(section, "neighborhood ", *pack.neighborhood);
   return section;
 }
 
@@ -115,6 +116,7 @@ std::vector<Section> describePack(const formats::Pack& pack, std::span<const std
                                    partSection("transfer", pack.transfer)};
   for (std::size_t i = 0; i < pack.appearances.size(); ++i)
     sections.push_back(materialSection(i, pack.appearances[i]));
+  if (pack.neighborhood) sections.push_back(partSection("neighborhood", *pack.neighborhood));
   sections.push_back(tableSection(pack));
   if (const auto* transfer = pack.transfer.as<formats::ShTransfer>()) {
     sections.push_back(bandSection("energy_per_sh_band", transfer->vectors.decode(), transfer->order));

@@ -8,6 +8,7 @@
 #include "formats/patch_albedo.h"
 #include "formats/tensors.h"
 #include "formats/words.h"
+#include "tools/pack/neighborhood_packing.h"
 #include "tools/pack/packing.h"
 #include "tools/pack/report.h"
 #include "tools/pack/transfer_reader.h"
@@ -36,7 +37,8 @@ formats::Materials withoutPatches(formats::Materials materials) {
 
 int main(int argc, char** argv) {
   std::filesystem::path mesh_path, material_path, transfer_path, brdf_path, rtt_path, btf_path, btfs_path,
-      id_map_path, kernels_path, pack_path;
+      id_map_path, kernels_path, neighborhood_path, pack_path;
+  formats::Precision neighborhood_precision = formats::Precision::kFloat16;
   packing::PackingOptions options;
   formats::PackOptions file_options;
   Patches worn = Patches::kWorn;
@@ -60,6 +62,8 @@ int main(int argc, char** argv) {
              false)
       .input("kernels", "tensors", kernels_path,
              "How light goes through the mesh, as kernels writes it for a material with a medium", false)
+      .input("neighborhood", "tensors", neighborhood_path,
+             "What the object does to the light around it, as neighborhood writes it for this mesh", false)
       .output("pack", "pack", pack_path, "binary glTF file (.glb)")
       .parameter("name", options.name, {}, "Name of the asset, shown by glTF viewers")
       .parameter("precision", options.precision, formats::kPrecisions,
@@ -85,6 +89,8 @@ int main(int argc, char** argv) {
                  "Pixel basis: corners whose frames differ by more are not interpolated between")
       .parameter("patches", worn, kPatches,
                  "none: surfaces are smooth, whatever patches their materials have")
+      .parameter("neighborhood_precision", neighborhood_precision, formats::kPrecisions,
+                 "Numbers of ground and volume of the neighborhood")
       .parameter("draco", file_options.draco, "Compress the mesh with Draco, for distribution")
       .parameter("position_bits", file_options.position_bits, {0, 30}, "bits",
                  "With draco: quantise positions to 8 to 30 bits an axis; 0 keeps them exact")
@@ -132,6 +138,12 @@ int main(int argc, char** argv) {
     if (translucency)
       packing::makeTranslucent(std::move(*translucency), kernels_path.string(), transfer,
                                transfer_path.string(), ordered);
+    if (!neighborhood_path.empty()) {
+      packing::PackedNeighborhood neighborhood =
+          packing::readNeighborhood(neighborhood_path, pack.mesh, mesh_path.string(), neighborhood_precision);
+      run.stat("neighborhood_error", neighborhood.errors);
+      ordered.neighborhood = std::move(neighborhood.part);
+    }
     if (const std::size_t dropped = packing::orderByMaterial(ordered); dropped > 0)
       run.warn(std::to_string(dropped) + " vertices without a triangle were left out");
     const formats::Bytes bytes = formats::encodePack(ordered, file_options, pack_path.string());
