@@ -149,15 +149,17 @@ VolumeShading::VolumeShading(const formats::Neighborhood& neighborhood)
                                                                        squared(order_))
     throw std::invalid_argument("the volume's table does not fit its points");
   matrices_ = volume.matrices.decode();
-  light_.assign(squared(std::max(order_, kReceivedOrder)), {0, 0, 0});
+  light_.assign(formats::kReceivedCoefficients, {0, 0, 0});
   changes_.assign(points * formats::kReceivedCoefficients, {0, 0, 0});
 }
 
 void VolumeShading::setLight(std::span<const Float3> distant, std::span<const Float3> near) {
   const std::size_t size = squared(order_), matrix = formats::kReceivedCoefficients * size;
   const ShLight light = total(distant, near, size);
-  std::fill(light_.begin(), light_.end(), Float3{0, 0, 0});
-  std::copy(light.begin(), light.end(), light_.begin());
+  for (int i = 0; i < formats::kReceivedCoefficients; ++i) {
+    const auto coefficient = static_cast<std::size_t>(formats::receivedCoefficient(i));
+    light_[static_cast<std::size_t>(i)] = coefficient < size ? light[coefficient] : Float3{0, 0, 0};
+  }
   tbb::parallel_for(std::size_t{0}, changes_.size() / formats::kReceivedCoefficients, [&](std::size_t point) {
     for (std::size_t i = 0; i < formats::kReceivedCoefficients; ++i)
       for (std::size_t c = 0; c < 3; ++c) {
@@ -172,10 +174,13 @@ void VolumeShading::setLight(std::span<const Float3> distant, std::span<const Fl
 }
 
 Float3 VolumeShading::radiosityAt(const Vec3& position, const Vec3& normal) const {
-  const int order = std::max(order_, kReceivedOrder);
-  const std::vector<double> open = openVector(order, normal);
+  const std::vector<double> open = openVector(kReceivedOrder, normal);
+  std::array<double, formats::kReceivedCoefficients> lobe;
   Vec3 sum = Vec3::Zero();
-  for (std::size_t i = 0; i < light_.size(); ++i) sum += open[i] * vec3(light_[i]);
+  for (std::size_t i = 0; i < lobe.size(); ++i) {
+    lobe[i] = open[static_cast<std::size_t>(formats::receivedCoefficient(static_cast<int>(i)))];
+    sum += lobe[i] * vec3(light_[i]);
+  }
 
   std::array<Place, 3> places;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -195,9 +200,8 @@ Float3 VolumeShading::radiosityAt(const Vec3& position, const Vec3& normal) cons
       point += stride * (places[axis].interval + upper);
       stride *= volume_.axes[axis].size();
     }
-    for (std::size_t i = 0; i < formats::kReceivedCoefficients; ++i)
-      sum += weight * open[static_cast<std::size_t>(formats::receivedCoefficient(static_cast<int>(i)))] *
-             vec3(changes_[point * formats::kReceivedCoefficients + i]);
+    for (std::size_t i = 0; i < lobe.size(); ++i)
+      sum += weight * lobe[i] * vec3(changes_[point * lobe.size() + i]);
   }
   return float3(sum);
 }

@@ -57,7 +57,7 @@ class VolumeShading {
 
   // As GroundShading::setLight. Cost: points × channels · 18 · order² multiply-adds, on all TBB threads.
   void setLight(std::span<const Float3> distant, std::span<const Float3> near);
-  // Irradiance ÷ π on a receiver at a point, with a normal (unit), in the object's frame: the change interpolated between eight points, none beyond the
+  // Irradiance ÷ π on a receiver at a point, with a normal (unit), in the object's frame, by the coefficients that are kept: the change interpolated between eight points, none beyond the
   // grid, that of the lowest points below it.
   Float3 radiosityAt(const Vec3& position, const Vec3& normal) const;
 
@@ -65,7 +65,7 @@ class VolumeShading {
   formats::VolumeTransfer volume_;  // without its table
   int order_, channels_;
   std::vector<float> matrices_;
-  std::vector<Float3> light_;    // max(order, 5)² coefficients
+  std::vector<Float3> light_;    // 18
   std::vector<Float3> changes_;  // points × 18
 };
 

@@ -10,6 +10,7 @@
 #include "formats/btf_reflection.h"
 #include "formats/image.h"
 #include "formats/light_rig_file.h"
+#include "formats/neighborhood.h"
 #include "formats/pack.h"
 #include "formats/rtt_reflection.h"
 #include "tests/e2e/silhouette.h"
@@ -19,6 +20,8 @@
 #include "transport/light_rig.h"
 #include "transport/lighting.h"
 #include "transport/near_light.h"
+#include "transport/neighborhood_shading.h"
+#include "transport/sh.h"
 
 namespace bakelight::tests {
 namespace {
@@ -33,7 +36,8 @@ std::string quoted(const fs::path& path) {
 }
 
 void runPlayer(const fs::path& executable, const fs::path& pack_path, const PlayerLights& lights,
-               const formats::FrameSettings& settings, const fs::path& picture_path) {
+               const formats::FrameSettings& settings, const PlayerSurroundings& surroundings,
+               const fs::path& picture_path) {
   std::string command =
       quoted(executable) + " --pack " + quoted(pack_path) + " --image " + quoted(picture_path);
   if (!lights.environment_path.empty()) command += " --environment " + quoted(lights.environment_path);
@@ -59,6 +63,19 @@ void runPlayer(const fs::path& executable, const fs::path& pack_path, const Play
   option("auto-exposure", settings.auto_exposure ? "true" : "false");
   option("exposure-ev", std::to_string(settings.exposure_ev));
   option("background", formats::wordFor(formats::kBackgrounds, settings.background));
+  const auto list = [&](const std::string& name, const formats::Float3& values) {
+    command += " --" + name;
+    for (const float value : values) command += " " + std::to_string(value);
+  };
+  option("ground", surroundings.ground_albedo ? "on" : "off");
+  if (surroundings.ground_albedo) list("ground-albedo", *surroundings.ground_albedo);
+  if (const auto& receiver = surroundings.receiver) {
+    option("receiver", "sphere");
+    option("receiver-radius", std::to_string(receiver->radius));
+    option("receiver-orbit-s", std::to_string(receiver->orbit_s));
+    list("receiver-position", receiver->position);
+    list("receiver-albedo", receiver->albedo);
+  }
   const int status = std::system(command.c_str());
   if (status != 0) throw std::runtime_error("failed (" + std::to_string(status) + "): " + command);
 }
@@ -88,8 +105,48 @@ void append(formats::TriangleMesh& mesh, const formats::TriangleMesh& other) {
   for (const auto& [a, b, c] : other.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
 }
 
+// The light around an object, in its frame.
+struct SurroundingLight {
+  transport::ShLight distant, near;
+};
+
+// The receiver in the world, and its radiance.
+transport::EmitterMesh receiverMesh(const formats::Neighborhood& neighborhood,
+                                    const transport::Receiver& receiver, const SurroundingLight& light,
+                                    const transport::BoundingSphere& bounds,
+                                    const Eigen::Matrix3d& world_from_object, double time_s) {
+  transport::VolumeShading volume(neighborhood);
+  volume.setLight(light.distant, light.near);
+  transport::EmitterMesh result;
+  result.mesh = receiver.mesh;
+  for (std::size_t v = 0; v < receiver.mesh.vertexCount(); ++v) {
+    const Vec3 from_middle = bounds.radius * (receiver.middleAt(time_s) +
+                                              receiver.radius * transport::vec3(receiver.mesh.positions[v]));
+    result.mesh.positions[v] = transport::float3(bounds.center + from_middle);
+    transport::Float3 radiance =
+        volume.radiosityAt(bounds.center + world_from_object.transpose() * from_middle,
+                           world_from_object.transpose() * transport::vec3(receiver.mesh.normals[v]));
+    for (std::size_t c = 0; c < 3; ++c) radiance[c] *= receiver.albedo[c];
+    result.radiance.push_back(radiance);
+  }
+  return result;
+}
+
+transport::Backdrop withGround(const transport::Backdrop& behind, const formats::Neighborhood& neighborhood,
+                               const formats::Float3& albedo, const SurroundingLight& light, const Vec3& eye,
+                               const Eigen::Matrix3d& world_from_object) {
+  auto ground = std::make_shared<transport::GroundShading>(neighborhood);
+  ground->setLight(light.distant, light.near);
+  return [=](const Vec3& direction) -> formats::Float4 {
+    formats::Float4 seen = behind(direction);
+    const formats::Float4 over = ground->seen(eye, world_from_object.transpose() * direction, albedo);
+    for (std::size_t c = 0; c < 4; ++c) seen[c] = over[c] + (1 - over[3]) * seen[c];
+    return seen;
+  };
+}
+
 CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& lighting,
-                          const formats::FrameSettings& settings) {
+                          const formats::FrameSettings& settings, const PlayerSurroundings& surroundings) {
   const auto bounds = transport::boundingSphere(pack.mesh);
   const auto camera = transport::frameCamera(settings, bounds);
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(settings);
@@ -109,6 +166,25 @@ CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& 
     emitters = transport::emitterMesh(lighting.near, bounds, settings.time_s);
     append(scene_mesh, emitters.mesh);
   }
+  transport::Backdrop backdrop = backdropOf(lighting, settings);
+  if (surroundings.ground_albedo || surroundings.receiver) {
+    const auto& neighborhood = *pack.neighborhood.value().as<formats::Neighborhood>();
+    const transport::ShRotation turn(neighborhood.order,
+                                     world_from_object.transpose() * transport::worldFromLight(settings));
+    const SurroundingLight light{
+        turn.apply(lighting.distant),
+        transport::nearLight(pack.mesh, shading->needs(), lighting, settings.time_s, world_from_object)};
+    if (surroundings.ground_albedo)
+      backdrop =
+          withGround(backdrop, neighborhood, *surroundings.ground_albedo, light, eye, world_from_object);
+    if (surroundings.receiver) {
+      const transport::EmitterMesh receiver = receiverMesh(neighborhood, *surroundings.receiver, light,
+                                                           bounds, world_from_object, settings.time_s);
+      append(scene_mesh, receiver.mesh);
+      append(emitters.mesh, receiver.mesh);
+      emitters.radiance.insert(emitters.radiance.end(), receiver.radiance.begin(), receiver.radiance.end());
+    }
+  }
   const auto glow = transport::interpolated(emitters.mesh.triangles, emitters.radiance);
   const auto object_triangles = static_cast<std::uint32_t>(pack.mesh.triangleCount());
   const auto shade = [&](std::span<const transport::SurfaceHit> hits, std::span<transport::Float3> radiance) {
@@ -125,7 +201,7 @@ CpuFrame renderFrameOnCpu(const formats::Pack& pack, const transport::Lighting& 
 
   const transport::RayScene scene(scene_mesh);
   const transport::PictureGrid grid{settings.width_px, settings.height_px, settings.supersampling};
-  const auto picture = transport::renderOnCpu(scene, shade, camera, grid, backdropOf(lighting, settings));
+  const auto picture = transport::renderOnCpu(scene, shade, camera, grid, backdrop);
   CpuFrame frame;
   const auto exposure = static_cast<float>(
       transport::exposureFactor(settings, transport::exposureLight(pack.mesh, shading->needs(), lighting)));
@@ -171,7 +247,7 @@ std::vector<bool> pixelsOnTexelEdges(const formats::Pack& pack, const transport:
        {std::pair(kHair_deg, 0.0), {-kHair_deg, 0.0}, {0.0, kHair_deg}, {0.0, -kHair_deg}}) {
     formats::FrameSettings turned = settings;
     turned.yaw_deg += yaw_deg, turned.pitch_deg += pitch_deg;
-    const formats::Image moved = renderFrameOnCpu(pack, lighting, turned).display;
+    const formats::Image moved = renderFrameOnCpu(pack, lighting, turned, {}).display;
     for (std::size_t i = 0; i < result.size(); ++i)
       if (largestCodeDifference(&moved.values[4 * i], &display.values[4 * i]) > 1) result[i] = true;
   }
@@ -191,9 +267,9 @@ std::string PlayerComparison::summary() const {
 
 PlayerComparison comparePlayerWithCpu(const fs::path& player_executable, const fs::path& pack_path,
                                       const PlayerLights& lights, const formats::FrameSettings& settings,
-                                      const fs::path& folder) {
+                                      const fs::path& folder, const PlayerSurroundings& surroundings) {
   const fs::path picture_path = folder / "player.png";
-  runPlayer(player_executable, pack_path, lights, settings, picture_path);
+  runPlayer(player_executable, pack_path, lights, settings, surroundings, picture_path);
   const formats::Image played = formats::readImage(picture_path);
 
   const formats::Pack pack = formats::readPack(pack_path);
@@ -201,7 +277,7 @@ PlayerComparison comparePlayerWithCpu(const fs::path& player_executable, const f
       formats::readLights(lights.environment_path, lights.rig_path, lights.windowing),
       std::max(transport::makePackShading(pack)->needs().sh_order, 1), lights.rig_path.string());
   lighting.cube_resolution = lights.cube_resolution;
-  const CpuFrame cpu = renderFrameOnCpu(pack, lighting, settings);
+  const CpuFrame cpu = renderFrameOnCpu(pack, lighting, settings, surroundings);
   const std::vector<bool> on_edges = pixelsOnTexelEdges(pack, lighting, settings, cpu.display);
   formats::writePng(folder / "cpu.png", cpu.display);
   if (played.width != cpu.display.width || played.height != cpu.display.height || played.channelCount() != 4)

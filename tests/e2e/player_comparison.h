@@ -7,6 +7,7 @@
 #include <string>
 
 #include "transport/frame.h"
+#include "transport/receiver.h"
 
 namespace bakelight::tests {
 
@@ -40,13 +41,21 @@ struct PlayerLights {
   int cube_resolution = 64;
 };
 
+// What stands around the object.
+struct PlayerSurroundings {
+  std::optional<formats::Float3> ground_albedo = {};  // nothing: no ground
+  std::optional<transport::Receiver> receiver = {};   // a unitSphere
+};
+
 // Runs the `player` executable on the files and renders the same frame by transport::evaluatePack and
-// transport::renderOnCpu, near light by transport::renderEmitterCube and projectCubeMap. Left out are
+// transport::renderOnCpu, near light by transport::renderEmitterCube and projectCubeMap, surroundings by
+// transport::GroundShading and VolumeShading. Left out are
 // silhouette pixels (silhouette.h). Writes player.png and cpu.png into `folder`. Throws std::runtime_error if
 // the player fails.
 PlayerComparison comparePlayerWithCpu(const std::filesystem::path& player_executable,
                                       const std::filesystem::path& pack_path, const PlayerLights& lights,
                                       const formats::FrameSettings& settings,
-                                      const std::filesystem::path& folder);
+                                      const std::filesystem::path& folder,
+                                      const PlayerSurroundings& surroundings = {});
 
 }  // namespace bakelight::tests

@@ -8,12 +8,14 @@
 #include "formats/file.h"
 #include "formats/image.h"
 #include "formats/json.h"
+#include "formats/neighborhood.h"
 #include "formats/pack.h"
 #include "tests/e2e/made_packs.h"
 #include "tests/support/compressed_transfer.h"
 #include "tests/support/made_pixel_pack.h"
 #include "tests/support/made_rtt.h"
 #include "tests/support/made_translucent_pack.h"
+#include "transport/camera.h"
 #include "transport/lights.h"
 #include "transport/texture_frames.h"
 #include "transport/translucent_shading.h"
@@ -55,9 +57,10 @@ class PlayerAgainstCpu : public testing::Test {
   }
 
   PlayerComparison compare(const formats::Pack& pack, const formats::FrameSettings& settings,
-                           const PlayerLights& lights) {
+                           const PlayerLights& lights, const PlayerSurroundings& surroundings = {}) {
     formats::writePack(folder_ / "made.glb", pack, {});
-    const auto result = comparePlayerWithCpu(kPlayer, folder_ / "made.glb", lights, settings, folder_);
+    const auto result =
+        comparePlayerWithCpu(kPlayer, folder_ / "made.glb", lights, settings, folder_, surroundings);
     EXPECT_TRUE(result.agrees()) << result.summary() << "; pictures in " << folder_;
     RecordProperty("comparison", result.summary());
     std::printf("%s\n", result.summary().c_str());
@@ -255,6 +258,110 @@ TEST_F(PlayerAgainstCpu, TransferInAPixelBasis) {
     near.cube_resolution = 256;
     compare(pack, kSmall, near);
   }
+}
+
+// Numbers without a meaning in a table of that many columns, smaller the farther the point is.
+formats::EncodedTable madeTable(std::size_t rows, std::size_t columns, formats::Precision precision) {
+  std::vector<float> values;
+  for (std::size_t r = 0; r < rows; ++r)
+    for (std::size_t c = 0; c < columns; ++c)
+      values.push_back(0.15F * std::sin(0.7F * static_cast<float>(r) + 0.3F * static_cast<float>(c)) /
+                       (1 + 0.1F * static_cast<float>(c)));
+  return formats::encodeTable(values, columns, precision, "made", "table");
+}
+
+formats::Neighborhood madeNeighborhood(const formats::Pack& pack, int channels,
+                                       formats::Precision precision) {
+  const transport::BoundingSphere bounds = transport::boundingSphere(pack.mesh);
+  const auto axis = [&](Eigen::Index a, double from, double to, int intervals) {
+    std::vector<float> result;
+    for (int i = 0; i <= intervals; ++i)
+      result.push_back(static_cast<float>(
+          bounds.center[a] +
+          bounds.radius * (from + (to - from) * std::pow(i / static_cast<double>(intervals), 1.2))));
+    return result;
+  };
+  formats::Neighborhood result;
+  result.order = pack.sh().order;
+  result.channels = channels;
+  const auto columns = static_cast<std::size_t>(channels * result.order * result.order);
+  formats::GroundTransfer ground;
+  ground.level = static_cast<float>(bounds.center.y() - bounds.radius);
+  ground.x = axis(0, -3, 3, 9), ground.z = axis(2, -2.5, 3.5, 7);
+  ground.vectors = madeTable(80, columns, precision);
+  result.ground = ground;
+  formats::VolumeTransfer volume;
+  volume.axes = {axis(0, -1.8, 1.8, 4), axis(1, -1, 1.5, 3), axis(2, -1.7, 2, 5)};
+  volume.matrices = madeTable(120, formats::kReceivedCoefficients * columns, precision);
+  result.volume = volume;
+  return result;
+}
+
+TEST_F(PlayerAgainstCpu, GroundThatFadesIntoTheBackdrop) {
+  for (const int channels : {1, 3}) {
+    formats::Pack pack = wavyPack(4, 24);
+    pack.neighborhood = madeNeighborhood(
+        pack, channels, channels == 1 ? formats::Precision::kFloat16 : formats::Precision::kUint8);
+    formats::FrameSettings settings = kSmall;
+    settings.pitch_deg = 30, settings.distance = 0.85;
+    compare(pack, settings, sky(), {.ground_albedo = formats::Float3{0.7F, 0.5F, 0.2F}});
+    settings.object_yaw_deg = 40, settings.light_yaw_deg = 70, settings.object_pitch_deg = 20;
+    settings.background = formats::Background::kBlack;
+    compare(pack, settings, sky(), {.ground_albedo = formats::Float3{0.5F, 0.5F, 0.5F}});
+    settings.object_pitch_deg = 0, settings.pitch_deg = -20;  // from below it is not there
+    compare(pack, settings, sky(), {.ground_albedo = formats::Float3{0.5F, 0.5F, 0.5F}});
+  }
+}
+
+TEST_F(PlayerAgainstCpu, ReceiverThatMovesUnderEmittersToo) {
+  for (const int channels : {1, 3}) {
+    formats::Pack pack = wavyPack(channels == 1 ? 3 : 6, 24);
+    pack.neighborhood = madeNeighborhood(pack, channels, formats::Precision::kFloat16);
+    transport::Receiver receiver;
+    receiver.mesh = transport::unitSphere();
+    receiver.position = {1.2F, 0.2F, 0.4F};
+    receiver.radius = 0.35;
+    receiver.orbit_s = 4;
+    formats::FrameSettings settings = kSmall;
+    settings.distance = 0.7, settings.object_yaw_deg = 30, settings.object_pitch_deg = -15,
+    settings.time_s = 3.6;
+    compare(pack, settings, sky(), {.ground_albedo = {}, .receiver = receiver});
+    PlayerLights near = rig(
+        R"({"lights": [{"type": "disk", "direction": [0, 1, 0.5], "half_angle_deg": 40, "radiance": [2, 2, 2]}],
+        "emitters": [{"shape": "sphere", "position": [1, 1.5, 1], "radius": 0.4, "radiance": [6, 8, 12]}]})");
+    near.cube_resolution = 256;  // an even plane shows each step of it
+    compare(pack, settings, near, {.ground_albedo = formats::Float3{0.5F, 0.5F, 0.5F}, .receiver = receiver});
+  }
+}
+
+TEST_F(PlayerAgainstCpu, GroundIsShownByPacksThatHaveOneUnlessTransparent) {
+  formats::Pack pack = wavyPack(3, 24);
+  pack.neighborhood = madeNeighborhood(pack, 1, formats::Precision::kFloat16);
+  formats::writePack(folder_ / "made.glb", pack, {});
+  const auto pictureOf = [&](const std::string& options) {
+    const fs::path picture = folder_ / "picture.png";
+    const std::string command = kPlayer.string() + " " + (folder_ / "made.glb").string() +
+                                " --width=64 --height=48 --pitch-deg=30 --image " + picture.string() +
+                                options;
+    EXPECT_EQ(std::system(command.c_str()), 0) << command;
+    return formats::readImage(picture).values;
+  };
+  EXPECT_EQ(pictureOf(" --background black"), pictureOf(" --background black --ground on"));
+  EXPECT_NE(pictureOf(" --background black"), pictureOf(" --background black --ground off"));
+  EXPECT_EQ(pictureOf(" --background transparent"), pictureOf(" --background transparent --ground off"));
+  EXPECT_NE(pictureOf(" --background transparent"), pictureOf(" --background transparent --ground on"));
+}
+
+TEST_F(PlayerAgainstCpu, ReceiversAreRefusedByNameWithoutAVolume) {
+  formats::writePack(folder_ / "made.glb", wavyPack(2, 12), {});
+  const std::string command = kPlayer.string() + " " + (folder_ / "made.glb").string() +
+                              " --receiver sphere --image " + (folder_ / "a.png").string() + " 2> " +
+                              (folder_ / "errors").string();
+  EXPECT_NE(std::system(command.c_str()), 0);
+  const formats::Bytes bytes = formats::readFile(folder_ / "errors");
+  const std::string errors(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  EXPECT_NE(errors.find("/receiver"), std::string::npos) << errors;
+  EXPECT_NE(errors.find("volume_cells"), std::string::npos) << errors;
 }
 
 TEST_F(PlayerAgainstCpu, DefaultFrame) {

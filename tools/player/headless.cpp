@@ -94,9 +94,10 @@ Times_ms readBackTimes(const ResolvedPicture& resolved, formats::Image& image) {
 }  // namespace
 
 HeadlessPicture renderHeadless(const formats::Pack& pack, const transport::Lighting& lighting,
-                               const formats::FrameSettings& settings, PictureEncoding encoding) {
+                               const formats::FrameSettings& settings, PictureEncoding encoding,
+                               const SurroundingsOptions& surroundings) {
   const HeadlessContext context;
-  Renderer renderer(pack, lighting);
+  Renderer renderer(pack, lighting, surroundings);
   HeadlessPicture picture;
   picture.gl_renderer = glRendererName();
   picture.exposure = renderer.exposure(settings);

@@ -10,6 +10,7 @@
 #include "formats/image.h"
 #include "formats/pack.h"
 #include "tools/player/gl/picture_target.h"
+#include "tools/player/surroundings/surroundings.h"
 #include "transport/frame.h"
 #include "transport/lighting.h"
 
@@ -40,6 +41,7 @@ struct HeadlessPicture {
 
 // Throws Error(kNotAvailable) without OpenGL 4.5, and what Renderer throws.
 HeadlessPicture renderHeadless(const formats::Pack& pack, const transport::Lighting& lighting,
-                               const formats::FrameSettings& settings, PictureEncoding encoding);
+                               const formats::FrameSettings& settings, PictureEncoding encoding,
+                               const SurroundingsOptions& surroundings = {});
 
 }  // namespace bakelight::player

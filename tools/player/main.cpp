@@ -54,9 +54,11 @@ int main(int argc, char** argv) {
         transport::ringingWarning(transport::minimumOverMean(lighting.distant), lighting.window);
     if (!ringing.empty()) run.warn(ringing);
     lighting.cube_resolution = options.cube_resolution;
-    if (!headless) return player::playInWindow(pack, lighting, settings);
+    const player::SurroundingsOptions surroundings = player::surroundingsFor(options, pack);
+    if (!headless) return player::playInWindow(pack, lighting, settings, surroundings);
 
-    const player::HeadlessPicture picture = player::renderHeadless(pack, lighting, settings, encoding);
+    const player::HeadlessPicture picture =
+        player::renderHeadless(pack, lighting, settings, encoding, surroundings);
     spdlog::info("{}", picture.gl_renderer);
     player::writePicture(options.image_path, picture.image, encoding);
     player::reportStats(run, pack, lighting, picture);

@@ -4,6 +4,8 @@
 
 #include <initializer_list>
 
+#include "formats/mesh_ply.h"
+#include "formats/neighborhood.h"
 #include "tools/player/techniques/technique.h"
 #include "tools/stage/frame_options.h"
 
@@ -16,6 +18,8 @@ void declareOptions(stage::Tool& tool, Options& options) {
              "lat-long HDR light; without it and lights: a soft key light", false)
       .input("lights", "light_rig", options.lights_path, "light rig: distant lights and emitters; adds up",
              false)
+      .input("receiver_mesh", "mesh", options.receiver_path,
+             "With receiver mesh: PLY mesh with normals, as simplify writes it", false)
       .output("image", "image", options.image_path,
               "write one frame (.png, or .exr with linear radiance), no window", false);
   stage::declareFrame(tool, settings);
@@ -33,6 +37,20 @@ void declareOptions(stage::Tool& tool, Options& options) {
                  "Of a translucent object, to compare: what comes from near by, by kernels of texels, what "
                  "comes from "
                  "farther off, by factors between vertices, or both")
+      .parameter("ground", options.surroundings.ground, kShownGrounds,
+                 "The plane that the object stands on, in its shadow; auto: of packs that have one, unless "
+                 "the background is transparent")
+      .parameter("ground_albedo", options.surroundings.ground_albedo, {0, 1}, "",
+                 "what it reflects, red, green, blue")
+      .parameter("receiver", options.receiver, kShownReceivers,
+                 "A diffuse body in the object's shadow; the pack needs a neighborhood with a volume")
+      .parameter("receiver_position", options.receiver_options.position, {-20, 20}, "",
+                 "its middle at time 0, from the object's, in radii of the object's bounding sphere")
+      .parameter("receiver_radius", options.receiver_options.radius, {0.01, 10}, "", "its size, likewise")
+      .parameter("receiver_albedo", options.receiver_options.albedo, {0, 1}, "",
+                 "what it reflects, red, green, blue")
+      .parameter("receiver_orbit_s", options.receiver_options.orbit_s, {0, 1e6}, "s",
+                 "once around the object about +Y; 0: it stands still")
       .parameter("auto_exposure", settings.auto_exposure, "bring the lights' mean radiance to a middle value")
       .parameter("exposure_ev", settings.exposure_ev, {-32, 32}, "EV",
                  "stops brighter than that, or than factor 1");
@@ -84,6 +102,28 @@ void reportTranslucency(stage::Run& run, const formats::Translucency& translucen
 }
 
 }  // namespace
+
+SurroundingsOptions surroundingsFor(const Options& options, const formats::Pack& pack) {
+  SurroundingsOptions result = options.surroundings;
+  if (options.receiver == ShownReceiver::kNone) return result;
+  const auto* neighborhood = pack.neighborhood ? pack.neighborhood->as<formats::Neighborhood>() : nullptr;
+  if (neighborhood == nullptr || !neighborhood->volume)
+    throw badInput({options.pack_path.string(), "", "/receiver"}, "it has no neighborhood with a volume",
+                   "a pack with one", "bake it: neighborhood with volume_cells above 0");
+  result.receiver = options.receiver_options;
+  if (options.receiver == ShownReceiver::kSphere) {
+    result.receiver->mesh = transport::unitSphere();
+    return result;
+  }
+  if (options.receiver_path.empty())
+    throw badInput({"", "", "/receiver"}, "it is a mesh, and none is given", "receiver_mesh",
+                   "or receiver sphere");
+  result.receiver->mesh = transport::unitSized(formats::readPly(options.receiver_path));
+  if (result.receiver->mesh.normals.size() != result.receiver->mesh.vertexCount())
+    throw badInput({options.receiver_path.string(), "", ""}, "it has no normals", "a mesh with normals",
+                   "run the simplify tool on it, which computes them");
+  return result;
+}
 
 void reportStats(stage::Run& run, const formats::Pack& pack, const transport::Lighting& lighting,
                  const HeadlessPicture& picture) {

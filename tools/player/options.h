@@ -15,6 +15,10 @@
 
 namespace bakelight::player {
 
+enum class ShownReceiver { kNone, kSphere, kMesh };
+inline constexpr formats::Word<ShownReceiver> kShownReceivers[] = {
+    {"none", ShownReceiver::kNone}, {"sphere", ShownReceiver::kSphere}, {"mesh", ShownReceiver::kMesh}};
+
 struct Options {
   std::filesystem::path pack_path, environment_path, lights_path, image_path;
   formats::FrameSettings settings;
@@ -22,10 +26,17 @@ struct Options {
   int cube_resolution = 64;
   transport::BiScaleEffects effects = transport::BiScaleEffects::kAll;
   transport::TranslucentResponse::Branches branches = transport::TranslucentResponse::Branches::kBoth;
+  SurroundingsOptions surroundings;
+  ShownReceiver receiver = ShownReceiver::kNone;
+  transport::Receiver receiver_options;
+  std::filesystem::path receiver_path;
 };
 
 // `options` outlives the tool's run.
 void declareOptions(stage::Tool& tool, Options& options);
+
+// Completed by the receiver, which is read if it is a mesh. Throws Error(kBadInput) if the pack has no volume for it, or the mesh no normals.
+SurroundingsOptions surroundingsFor(const Options& options, const formats::Pack& pack);
 
 void reportStats(stage::Run& run, const formats::Pack& pack, const transport::Lighting& lighting,
                  const HeadlessPicture& picture);

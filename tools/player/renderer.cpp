@@ -18,14 +18,14 @@ int orderOf(const transport::LightNeeds& needs) {
 }
 
 std::optional<NearFieldLights> nearLights(const transport::BoundingSphere& bounds,
-                                          const transport::LightNeeds& needs, transport::Lighting& lighting) {
+                                          const transport::LightNeeds& needs, int order,
+                                          transport::Lighting& lighting) {
   if (lighting.near.emitters.empty()) return std::nullopt;
   const int resolution = needs.cube_side > 0
                              ? transport::cubeResolutionFor(needs.cube_side, lighting.cube_resolution)
                              : lighting.cube_resolution;
   return std::optional<NearFieldLights>(std::in_place, std::move(lighting.near), bounds,
-                                        needs.near_center.value_or(bounds.center), orderOf(needs),
-                                        resolution);
+                                        needs.near_center.value_or(bounds.center), order, resolution);
 }
 
 std::optional<formats::LightRig> punctualLights(const formats::LightRig& near) {
@@ -43,22 +43,25 @@ Eigen::Matrix3d objectFromLight(const formats::FrameSettings& settings) {
 }  // namespace
 
 int lightOrder(const formats::Pack& pack) {
-  return orderOf(techniqueFor(pack).needs(pack));
+  return std::max(orderOf(techniqueFor(pack).needs(pack)), neighborhoodOrder(pack));
 }
 
-Renderer::Renderer(const formats::Pack& pack, transport::Lighting lighting)
-    : Renderer(pack, std::move(lighting), techniqueFor(pack)) {}
+Renderer::Renderer(const formats::Pack& pack, transport::Lighting lighting,
+                   const SurroundingsOptions& surroundings)
+    : Renderer(pack, std::move(lighting), techniqueFor(pack), surroundings) {}
 
-Renderer::Renderer(const formats::Pack& pack, transport::Lighting lighting, const PlayedTechnique& technique)
+Renderer::Renderer(const formats::Pack& pack, transport::Lighting lighting, const PlayedTechnique& technique,
+                   const SurroundingsOptions& surroundings)
     : bounds_(transport::boundingSphere(pack.mesh)),
-      order_(orderOf(technique.needs(pack))),
+      order_(lightOrder(pack)),
       distant_(std::move(lighting.distant)),
       exposure_light_(distant_),
       distant_light_(darkLight()),
       punctual_(punctualLights(lighting.near)),
-      near_lights_(nearLights(bounds_, technique.needs(pack), lighting)),
+      near_lights_(nearLights(bounds_, technique.needs(pack), order_, lighting)),
       mesh_(pack.mesh, bounds_.center),
       technique_(technique.make(pack, mesh_, near_lights_.has_value())),
+      surroundings_(pack, surroundings, bounds_, near_lights_.has_value()),
       backdrop_(lighting.backdrop) {
   if (distant_.size() < static_cast<std::size_t>(transport::coefficientCount(order_)))
     throw std::invalid_argument("the light has fewer bands than the pack's technique needs");
@@ -74,6 +77,7 @@ Renderer::Renderer(const formats::Pack& pack, transport::Lighting lighting, cons
 }
 
 void Renderer::light() {
+  surroundings_.setLight(distant_light_, near_lights_ ? &near_lights_->light() : nullptr);
   if (cube_) return;  // it is evaluated where it changes
   technique_->setLight(distant_light_, near_lights_ ? &near_lights_->light() : nullptr);
 }
@@ -87,11 +91,11 @@ void Renderer::updateLight(const formats::FrameSettings& settings) {
   setCubeLight();
 }
 
-bool Renderer::lightsMove() const {
+bool Renderer::moves() const {
   const auto moves = [](const formats::PunctualLight& light) {
     return light.motion.kind != formats::Motion::Kind::kStill;
   };
-  return (near_lights_ && near_lights_->anyMoves()) ||
+  return (near_lights_ && near_lights_->anyMoves()) || surroundings_.moves() ||
          (punctual_ && std::any_of(punctual_->punctual.begin(), punctual_->punctual.end(), moves));
 }
 
@@ -145,25 +149,33 @@ void Renderer::draw(const formats::FrameSettings& settings) {
   target_.beginFrame(settings.background == formats::Background::kTransparent ? 0.0f : 1.0f);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);  // the backdrop lies at the far plane itself
-  drawBodies(camera, world_from_object);
+  surroundings_.place(world_from_object, settings.time_s);
+  const Eigen::Matrix4d clip_from_centered = clipFromCentered(camera);
+  drawBodies(clip_from_centered, world_from_object);
   if (settings.background == formats::Background::kEnvironment)
     backdrop_.draw(camera, transport::worldFromLight(settings), target_.widthPx() * target_.supersampling(),
                    target_.heightPx() * target_.supersampling());
+  surroundings_.drawGround(clip_from_centered, world_from_object,
+                           settings.background == formats::Background::kTransparent);
   throwIfGlFailed("drawing");
 }
 
-void Renderer::drawBodies(const transport::OrbitCamera& camera,
-                          const Eigen::Matrix3d& world_from_object) const {
-  // Both sides are drawn, as rays hit both: open meshes show their inside.
+Eigen::Matrix4d Renderer::clipFromCentered(const transport::OrbitCamera& camera) const {
   transport::BoundingSphere all = bounds_;
+  all.radius = std::max(all.radius, surroundings_.radius());
   if (near_lights_) all.radius = std::max(all.radius, near_lights_->radius());
   const double aspect = static_cast<double>(target_.widthPx()) / target_.heightPx();
   const Eigen::Affine3d world_from_centered(Eigen::Translation3d(bounds_.center));
-  const Eigen::Matrix4d clip_from_centered =
-      camera.clipFromView(aspect, all) * camera.viewFromWorld() * world_from_centered.matrix();
+  return camera.clipFromView(aspect, all) * camera.viewFromWorld() * world_from_centered.matrix();
+}
+
+void Renderer::drawBodies(const Eigen::Matrix4d& clip_from_centered,
+                          const Eigen::Matrix3d& world_from_object) const {
+  // Both sides are drawn, as rays hit both: open meshes show their inside.
   const Eigen::Matrix4f clip_from_position =
       (clip_from_centered * Eigen::Affine3d(world_from_object).matrix()).cast<float>();
   technique_->draw(clip_from_position);
+  surroundings_.drawReceiver(clip_from_centered);
   if (!near_lights_) return;
   const GpuPass pass("emitters");
   near_lights_->draw(clip_from_centered.cast<float>());
@@ -171,7 +183,7 @@ void Renderer::drawBodies(const transport::OrbitCamera& camera,
 
 std::size_t Renderer::gpuBytes() const {
   return mesh_.gpuBytes() + technique_->gpuBytes() + sizeInBytes(distant_light_.sh) + backdrop_.gpuBytes() +
-         (near_lights_ ? near_lights_->gpuBytes() : 0);
+         surroundings_.gpuBytes() + (near_lights_ ? near_lights_->gpuBytes() : 0);
 }
 
 }  // namespace bakelight::player

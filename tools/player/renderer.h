@@ -1,4 +1,4 @@
-// Draws a pack under its lights: surface, emitters and backdrop into a picture target. How the surface gets
+// Draws a pack under its lights: surface, emitters, backdrop and surroundings into a picture target. How the surface gets
 // its radiance is the technique's matter. Needs a current OpenGL 4.5 core context, which must outlive it; the
 // same for windows and headless pictures.
 #pragma once
@@ -13,6 +13,7 @@
 #include "tools/player/gl/surface_mesh.h"
 #include "tools/player/lights/backdrop.h"
 #include "tools/player/lights/near_field_lights.h"
+#include "tools/player/surroundings/surroundings.h"
 #include "tools/player/techniques/technique.h"
 #include "transport/frame.h"
 #include "transport/lighting.h"
@@ -24,8 +25,9 @@ class Renderer {
   // Uploads mesh, technique, emitters and backdrop; the pack may be freed afterwards. `lighting` has at least
   // the order that lightOrder tells. Throws Error(kBadInput) if no technique plays the pack, or the backdrop
   // or the cube map is larger than this GL's textures or buffers, Error(kNotAvailable) if GL is out of memory
-  // or lacks a feature.
-  Renderer(const formats::Pack& pack, transport::Lighting lighting);
+  // or lacks a feature, std::invalid_argument for a receiver in a pack without a volume.
+  Renderer(const formats::Pack& pack, transport::Lighting lighting,
+           const SurroundingsOptions& surroundings = {});
 
   // Brings everything to `settings` and draws the subsamples into target(). Lights and target storage are
   // touched only if they changed.
@@ -39,7 +41,7 @@ class Renderer {
           settings);  // places emitters and punctual lights, projects the cube map of the former
 
   bool hasNearLights() const { return near_lights_ || punctual_; }
-  bool lightsMove() const;
+  bool moves() const;            // lights or a receiver, with time
   std::size_t gpuBytes() const;  // of buffers and textures, without the picture target
   const PictureTarget& target() const { return target_; }
   float exposure(const formats::FrameSettings& settings) const;
@@ -60,11 +62,13 @@ class Renderer {
     std::vector<transport::Float3> distant;  // of the sources, as evaluated_ has them turned
   };
 
-  Renderer(const formats::Pack& pack, transport::Lighting lighting, const PlayedTechnique& technique);
+  Renderer(const formats::Pack& pack, transport::Lighting lighting, const PlayedTechnique& technique,
+           const SurroundingsOptions& surroundings);
   void light();
   void setCubeLight();
   void updateStaleLights(const formats::FrameSettings& settings);
-  void drawBodies(const transport::OrbitCamera& camera, const Eigen::Matrix3d& world_from_object) const;
+  Eigen::Matrix4d clipFromCentered(const transport::OrbitCamera& camera) const;
+  void drawBodies(const Eigen::Matrix4d& clip_from_centered, const Eigen::Matrix3d& world_from_object) const;
 
   transport::BoundingSphere bounds_;
   int order_;
@@ -76,6 +80,7 @@ class Renderer {
   std::optional<NearFieldLights> near_lights_;
   SurfaceMesh mesh_;
   std::unique_ptr<Technique> technique_;
+  Surroundings surroundings_;
   LightState evaluated_;
   Backdrop backdrop_;
   PictureTarget target_;

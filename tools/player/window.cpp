@@ -60,12 +60,12 @@ class GlfwWindow {
 class Session {
  public:
   Session(GLFWwindow* window, const formats::Pack& pack, const transport::Lighting& lighting,
-          const formats::FrameSettings& settings)
+          const formats::FrameSettings& settings, const SurroundingsOptions& surroundings)
       : window_(window),
         name_(pack.name.empty() ? "bakelight" : pack.name),
         start_(settings),
         settings_(settings),
-        renderer_(pack, lighting) {
+        renderer_(pack, lighting, surroundings) {
     glfwSetWindowUserPointer(window, this);
     glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int, int, int) { of(w).rememberCursor(); });
     glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) { of(w).onCursor(x, y); });
@@ -120,7 +120,7 @@ class Session {
     }
   }
 
-  bool playing() const { return renderer_.lightsMove() && !held_ && settings_.width_px > 0; }
+  bool playing() const { return renderer_.moves() && !held_ && settings_.width_px > 0; }
 
   void hold(bool held) {
     held_ = held;
@@ -171,11 +171,11 @@ class Session {
 }  // namespace
 
 void playInWindow(const formats::Pack& pack, const transport::Lighting& lighting,
-                  const formats::FrameSettings& settings) {
+                  const formats::FrameSettings& settings, const SurroundingsOptions& surroundings) {
   const GlfwWindow window(settings.width_px, settings.height_px, pack.name);
   spdlog::info("{}", glRendererName());
   spdlog::info("{}", kControlsHelp);
-  Session(window.get(), pack, lighting, settings).play();
+  Session(window.get(), pack, lighting, settings, surroundings).play();
 }
 
 }  // namespace bakelight::player

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "formats/pack.h"
+#include "tools/player/surroundings/surroundings.h"
 #include "transport/frame.h"
 #include "transport/lighting.h"
 
@@ -12,6 +13,6 @@ namespace bakelight::player {
 // no display or no OpenGL 4.5. Screenshots go to the working directory as <pack name>-<number>.png and never
 // overwrite a file.
 void playInWindow(const formats::Pack& pack, const transport::Lighting& lighting,
-                  const formats::FrameSettings& settings);
+                  const formats::FrameSettings& settings, const SurroundingsOptions& surroundings = {});
 
 }  // namespace bakelight::player

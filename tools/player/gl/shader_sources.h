@@ -41,6 +41,9 @@ extern const ShaderSource kDepthVert;
 extern const ShaderSource kDepthFrag;
 extern const ShaderSource kFullscreenVert;
 extern const ShaderSource kBackdropFrag;
+extern const ShaderSource kGroundVert;
+extern const ShaderSource kGroundFrag;
+extern const ShaderSource kReceiverComp;
 extern const ShaderSource kResolveFrag;
 
 }  // namespace bakelight::player
