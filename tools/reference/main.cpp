@@ -21,6 +21,8 @@ int main(int argc, char** argv) {
   reference::Translucency translucency = reference::Translucency::kDiffusion;
   reference::Patches patches = reference::Patches::kGeometry;
   reference::Options options;
+  reference::GroundOptions ground_options;
+  bool ground = false;
 
   stage::Tool tool("reference",
                    "Path-traces the picture that the player shows of a mesh and its material: ground truth.");
@@ -53,6 +55,13 @@ int main(int argc, char** argv) {
                  "uniform: over the hemisphere, without sampling lights; slow, for checks")
       .parameter("at", options.at, reference::kAts,
                  "vertices: exit radiance at the vertices, interpolated as the player does")
+      .parameter("ground", ground,
+                 "a plane that the object stands on, in its shadow and the light that it reflects; the "
+                 "object does not see it")
+      .parameter("ground_albedo", ground_options.albedo, {0, 1}, "", "what it reflects, red, green, blue")
+      .parameter(
+          "ground_reach", ground_options.reach, {0.1, 20}, "",
+          "how far beyond the object it has faded out, in radii of the bounding sphere; that of neighborhood")
       .parameter("relative_error", options.effort.relative_error, {0, 1}, "",
                  "stop at this standard error relative to the picture; 0: take exactly samples")
       .parameter("samples", options.effort.samples, {32, 1 << 24}, "",
@@ -61,6 +70,7 @@ int main(int argc, char** argv) {
       .executionPath(transport::RayScene::executionPath);
 
   return tool.run(argc, argv, [&](stage::Run& run) {
+    if (ground) options.ground = ground_options;
     std::optional<transport::BoundingSphere> bounds;
     if (!framing_path.empty())
       bounds = reference::boundsFromMetadata(formats::readImageMetadata(framing_path), framing_path.string());

@@ -45,7 +45,9 @@ class PixelTracer {
         seed_(seed),
         eye_(view.camera.eye()),
         covered_(possiblyCovered(scene.rayMesh(), view.camera, view.width_px, view.height_px)),
-        pixels_(covered_.size()) {}
+        pixels_(covered_.size()) {
+    if (view.ground) covered_.assign(covered_.size(), 1);
+  }
 
   std::size_t pixelCount() const { return pixels_.size(); }
 
@@ -110,9 +112,11 @@ class PixelTracer {
     Rgb sum = Rgb::Zero();
     for (std::size_t s = 0; s < kSize; ++s) {
       if (hits.blocked[s] == 0) {
+        const SampleOfBatch sample{batch, static_cast<int>(s)};
+        const double opacity = addGround(pixel, directions[s], sample, sum, counts);
         const formats::Float4 seen = view_.backdrop(directions[s]);
-        sum += Rgb(seen[0], seen[1], seen[2]);
-        pixel.alpha += seen[3];
+        sum += (1 - opacity) * Rgb(seen[0], seen[1], seen[2]);
+        pixel.alpha += (1 - opacity) * static_cast<double>(seen[3]);
         continue;
       }
       pixel.alpha += 1;
@@ -126,6 +130,18 @@ class PixelTracer {
       sum += tracer_.exitRadiance(scene_.pointAt(hit), -directions[s], {batch, static_cast<int>(s)}, counts);
     }
     pixel.radiance.add(sum / kSize);
+  }
+
+  // Its opacity there.
+  double addGround(Pixel& pixel, const Vec3& direction, const SampleOfBatch& sample, Rgb& sum,
+                   TraceCounts& counts) const {
+    if (!view_.ground) return 0;
+    const auto seen = view_.ground->seen(eye_, direction, scene_.diffuseMaterial());
+    if (!seen) return 0;
+    pixel.alpha += seen->opacity;
+    pixel.sees_object = true;
+    sum += seen->opacity * tracer_.exitRadiance(seen->point, -direction, sample, counts);
+    return seen->opacity;
   }
 
   const Scene& scene_;

@@ -3,6 +3,7 @@
 
 #include "formats/image.h"
 #include "tools/reference/estimates.h"
+#include "tools/reference/ground.h"
 #include "tools/reference/path_tracer.h"
 #include "transport/cpu_renderer.h"
 
@@ -12,13 +13,15 @@ struct View {
   transport::OrbitCamera camera;
   int width_px = 0, height_px = 0;
   transport::Backdrop backdrop;
+  std::optional<Ground> ground = {};  // tracePixels alone shows it
 };
 
 struct Picture {
   // R, G, B, A: linear radiance, premultiplied; variance.R, .G, .B: of the mean that stands in R, G and B.
   formats::Image image;
-  RoundsReport report;  // its relative error is that of luminance, over pixels that see the object:
-                        // √(Σ variance) ÷ √(Σ mean²)
+  RoundsReport
+      report;  // its relative error is that of luminance, over pixels that see the object or the ground:
+               // √(Σ variance) ÷ √(Σ mean²)
   std::size_t object_pixels = 0;
 };
 

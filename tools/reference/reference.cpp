@@ -71,8 +71,14 @@ Reference makeReference(const Surface& surface, const formats::LightRig& rig, co
   const BoundingSphere framed = bounds.value_or(transport::boundingSphere(surface.mesh));
   const Scene scene(surface, rig, options.frame, framed);
   const PathTracer tracer(scene, options.paths);
-  const View view{transport::frameCamera(options.frame, framed), options.frame.width_px,
-                  options.frame.height_px, backdropOf(rig, options.frame)};
+  View view{transport::frameCamera(options.frame, framed), options.frame.width_px, options.frame.height_px,
+            backdropOf(rig, options.frame)};
+  if (options.ground) {
+    if (options.at == At::kVertices)
+      throw badInput({"", "", "/ground"}, "a ground has no vertices to trace at", "at pixels",
+                     "leave out ground, or at");
+    view.ground.emplace(*options.ground, surface.mesh, framed, transport::worldFromObject(options.frame));
+  }
   const auto trace = options.at == At::kPixels ? tracePixels : traceVertices;
   Reference reference{
       trace(scene, tracer, view, options.effort, static_cast<std::uint64_t>(options.seed), progress), {}};

@@ -29,9 +29,10 @@ struct Options {
   At at = At::kPixels;
   Effort effort;
   int seed = 0;
+  std::optional<GroundOptions> ground = {};  // with At::kPixels
 };
 
-// `bounds` as in Scene: nothing, the mesh's own.
+// Throws Error(kBadInput) at /ground for a ground at vertices. `bounds` as in Scene: nothing, the mesh's own.
 struct Reference {
   Picture picture;
   std::map<std::string, std::string> metadata;  // all that it takes to make it again

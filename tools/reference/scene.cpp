@@ -51,6 +51,7 @@ TriangleMesh joined(const TriangleMesh& mesh, const TriangleMesh& other) {
   return whole;
 }
 
+// And a diffuse one behind them.
 std::vector<Glossy> materialsOf(const Surface& surface) {
   std::vector<Glossy> materials;
   for (std::size_t i = 0; i < surface.material.reflections.size(); ++i) {
@@ -59,6 +60,7 @@ std::vector<Glossy> materialsOf(const Surface& surface) {
     materials.push_back(glossyOf(surface.material.reflections[i], surface.model,
                                  table == surface.tables.end() ? nullptr : &table->second));
   }
+  materials.emplace_back();
   return materials;
 }
 

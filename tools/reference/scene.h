@@ -69,6 +69,8 @@ class Scene {
   // The same and the emitters after it: positions and triangles that rays meet.
   const formats::TriangleMesh& rayMesh() const { return ray_mesh_; }
   const Glossy& material(std::uint32_t number) const { return materials_[number]; }
+  // Of what reflects diffusely and is no part of the mesh.
+  std::uint32_t diffuseMaterial() const { return static_cast<std::uint32_t>(materials_.size() - 1); }
   // What light that enters does there, by the surface's translucency; null where none enters, and where it is the other's.
   const Subsurface* subsurface(std::uint32_t number) const {
     return number < subsurfaces_.size() ? subsurfaces_[number].get() : nullptr;
