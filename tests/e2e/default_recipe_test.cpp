@@ -96,6 +96,7 @@ TEST_F(DefaultRecipe, DeliversTheBunny) {
   EXPECT_EQ(pack.sh().order, 5);
   EXPECT_EQ(pack.sh().transport, formats::Transport::kInterreflected);
   EXPECT_NEAR(static_cast<double>(pack.mesh.vertexCount()), 10800, 200);
+  EXPECT_TRUE(pack.neighborhood) << "it stands on no ground";
   // An ordinary glTF reader sees the same triangles.
   EXPECT_EQ(formats::importMesh(driver_->out() / "bunny/bunny.glb").mesh.triangleCount(),
             pack.mesh.triangleCount());
@@ -113,7 +114,7 @@ TEST_F(DefaultRecipe, PixelsAreThoseOfTheCpu) {
   const auto result =
       comparePlayerWithCpu(kBin / "player", driver_->out() / "bunny/bunny.glb",
                            {.environment_path = kData / "probes/sunrise.exr", .windowing = window}, {},
-                           *folder_ / "pictures");
+                           *folder_ / "pictures", {.ground_albedo = formats::Float3{0.5F, 0.5F, 0.5F}});
   EXPECT_TRUE(result.agrees()) << result.summary();
   std::printf("%s\n", result.summary().c_str());
   // The picture that was compared is the one that was delivered.
@@ -130,6 +131,7 @@ TEST_F(DefaultRecipe, SecondRunAndTouchDoNothing) {
   EXPECT_EQ(driver_->statuses("bunny"), Json({{"simplify", "cached"},
                                               {"survey", "cached"},
                                               {"transfer", "cached"},
+                                              {"neighborhood", "cached"},
                                               {"pack", "cached"},
                                               {"frame_truth", "cached"},
                                               {"window", "cached"},
@@ -145,6 +147,7 @@ TEST_F(DefaultRecipe, ChangedOrderRunsTransferAndLaterOnly) {
   EXPECT_EQ(driver.statuses("bunny"), Json({{"simplify", "cached"},
                                             {"survey", "cached"},
                                             {"transfer", "ran"},
+                                            {"neighborhood", "ran"},
                                             {"pack", "ran"},
                                             {"frame_truth", "cached"},
                                             {"window", "ran"},

@@ -20,7 +20,7 @@ namespace {
 
 struct Settings {
   bool ground = true;
-  int ground_cells = 96;
+  int ground_cells = 64;
   double ground_reach = 2;
   int volume_cells = 0;
   double volume_reach = 1;

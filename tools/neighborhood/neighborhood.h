@@ -28,7 +28,7 @@ Emitted emittedBy(std::span<const float> transfer, int order, int baked_channels
                   std::span<const formats::Float3> albedo);
 
 struct Options {
-  int directions = 1024;  // rays a point, over the directions in which the object may be
+  int directions = 512;  // rays a point, over the directions in which the object may be
 };
 
 struct Table {
