@@ -5,7 +5,6 @@
 #include <string>
 
 #include "formats/error.h"
-#include "formats/hash.h"
 #include "formats/material.h"
 #include "formats/mesh_ply.h"
 #include "formats/neighborhood.h"

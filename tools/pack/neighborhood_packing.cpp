@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "formats/error.h"
-#include "formats/hash.h"
+#include "formats/mesh_ply.h"
 #include "formats/part_tensors.h"
 
 namespace bakelight::packing {

@@ -4,9 +4,12 @@
 
 #include "formats/compare.h"
 #include "formats/error.h"
+#include "formats/mesh_ply.h"
 #include "formats/pack.h"
 #include "formats/part_tensors.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/neighborhood/made_neighborhood.h"
+#include "tools/pack/neighborhood_packing.h"
 
 namespace bakelight {
 namespace {
@@ -101,6 +104,34 @@ TEST(NeighborhoodFile, IsReadAsItWasWritten) {
   EXPECT_EQ(found->ground->level, made.ground->level);
   EXPECT_EQ(found->ground->vectors.decode(), made.ground->vectors.decode());
   EXPECT_EQ(found->volume->axes, made.volume->axes);
+}
+
+TEST(NeighborhoodPacking, TellsWhatThePrecisionCosts) {
+  const tests::TemporaryFolder folder;
+  const formats::TriangleMesh ball = tests::standingBall(2);
+  const Neighborhood made = madeNeighborhood();
+  formats::PackPart part(made);
+  formats::TensorFile file = formats::tensorsOf(part);
+  file.metadata["mesh_hash"] = formats::geometryHash(ball);
+  formats::writeSafetensors(folder / "n.safetensors", file);
+  const auto packed = [&](formats::Precision precision, const formats::TriangleMesh& mesh) {
+    return packing::readNeighborhood(folder / "n.safetensors", mesh, "mesh.ply", precision);
+  };
+  EXPECT_EQ(packed(formats::Precision::kFloat32, ball).errors.at("ground"), 0);
+  const packing::PackedNeighborhood halves = packed(formats::Precision::kFloat16, ball);
+  EXPECT_EQ(halves.part.ground->vectors.precision, formats::Precision::kFloat16);
+  EXPECT_EQ(halves.part.volume->matrices.precision, formats::Precision::kFloat16);
+  for (const auto& [name, error] : halves.errors) {
+    EXPECT_GT(error, 1e-5) << name;
+    EXPECT_LT(error, 5e-4) << name;
+  }
+  EXPECT_GT(packed(formats::Precision::kUint8, ball).errors.at("volume"), 1e-3);
+  try {
+    packed(formats::Precision::kFloat16, tests::standingBall(1));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("mesh.ply"), HasSubstr("mesh_hash")));
+  }
 }
 
 }  // namespace
