@@ -49,6 +49,10 @@ BakeSetup::BakeSetup(const TriangleMesh& own_mesh, std::span<const Float3> own_a
     throw std::invalid_argument("there must be a tangent a vertex, or none");
   if (options.entered_ior > 0 && (interreflected() || options.glossy != Glossy::kNone))
     throw std::invalid_argument("what enters a medium is diffuse transfer without bounces");
+  if (fitted() && options.glossy != Glossy::kNone)
+    throw std::invalid_argument("transfer matrices are those at the vertices");
+  if (options.original != nullptr && interreflected())
+    throw std::invalid_argument("light that bounces off the original is not known");
   channels = interreflected() && !std::all_of(albedo.begin(), albedo.end(), isGray) ? 3 : 1;
   const int visibility_order = options.glossy == Glossy::kNone ? 0 : options.row_order + options.order - 1;
   visibility_size = coefficientCount(visibility_order);

@@ -34,6 +34,7 @@ struct BakeSetup {
   MemoryPlan memory;
 
   bool interreflected() const { return options.transport == Transport::kInterreflected; }
+  bool fitted() const { return options.fit == Fit::kLeastSquares; }
   bool needsMatrices() const { return options.glossy == Glossy::kMatrices; }
   std::size_t vertexCount() const { return mesh.vertexCount(); }
   std::size_t matrixSize() const;

@@ -36,7 +36,7 @@ double enteredIor(const formats::SurfaceMaterials& surface, const std::string& f
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::filesystem::path mesh_path, material_path, frames_path, rtt_path, transfer_path;
+  std::filesystem::path mesh_path, original_path, material_path, frames_path, rtt_path, transfer_path;
   transfer::TransferSettings settings;
   stage::Tool tool("transfer", "Bakes radiance transfer at the vertices of a mesh.");
   transfer::declare(tool, settings);
@@ -50,6 +50,10 @@ int main(int argc, char** argv) {
              false)
       .input("rtt", "rtt", rtt_path,
              "radiance transfer textures of the materials' patches: light bounces off their mean albedo",
+             false)
+      .input("original", "mesh", original_path,
+             "least squares, without bounces: the mesh before simplification, with normals; samples are "
+             "taken there",
              false)
       .output("transfer", "tensors", transfer_path, "safetensors file for pack (docs/FORMATS.md)")
       .executionPath(transport::RayScene::executionPath);
@@ -67,6 +71,12 @@ int main(int argc, char** argv) {
     if (settings.basis == transfer::Basis::kPixel) return bakePixels(run);
     transfer::TransferOptions options = transfer::bakeOptions(settings);
     const formats::TriangleMesh mesh = transfer::readBakeableMesh(mesh_path);
+    formats::TriangleMesh original;
+    if (!original_path.empty()) {
+      transfer::requireOriginalOfUse(settings, original_path.string());
+      original = transfer::readBakeableMesh(original_path);
+      options.original = &original;
+    }
     if (settings.isGlossy())
       options.tangents = transfer::localFrames(mesh, settings.frames, frames_path, mesh_path.string(), run);
     formats::Materials materials = formats::readMaterialsOrDefault(material_path);
@@ -91,7 +101,10 @@ int main(int argc, char** argv) {
     const auto start = std::chrono::steady_clock::now();
     transfer::Transfer baked;
     {
-      stage::Progress progress = run.progress("transfer", mesh.vertexCount(), "vertices");
+      const bool fitted = options.fit == transfer::Fit::kLeastSquares;
+      stage::Progress progress = fitted ? run.progress("transfer", mesh.vertexCount() + mesh.triangleCount(),
+                                                       "vertices and triangles")
+                                        : run.progress("transfer", mesh.vertexCount(), "vertices");
       baked = transfer::bakeTransfer(mesh, albedo, options, progress);
     }
     if (settings.isGlossy() && settings.horizon == transfer::Horizon::kOpen)

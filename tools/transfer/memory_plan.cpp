@@ -47,8 +47,9 @@ std::size_t tracingBytes(const BakeSetup& setup) {
 std::size_t solvingBytes(const BakeSetup& setup, std::size_t points, std::size_t blocks) {
   const std::size_t all = static_cast<std::size_t>(setup.channels) * (setup.sphere ? 2 : 1);
   const std::size_t finished = blocks < all ? 4 * setup.coefficients * all * setup.vertexCount() : 0;
-  const std::size_t matrices = setup.needsMatrices() ? tracingBytes(setup) : 0;
-  return 2 * setup.vertexCount() * sizeof(std::uint32_t) + finished + matrices +
+  const std::size_t tracer = setup.needsMatrices() || setup.fitted() ? tracingBytes(setup) : 0;
+  const std::size_t exit = setup.fitted() ? fieldBytes(points, all * setup.coefficients) : 0;
+  return 2 * setup.vertexCount() * sizeof(std::uint32_t) + finished + tracer + exit +
          kLeastFields * fieldBytes(points, blocks * setup.coefficients);
 }
 

@@ -77,6 +77,9 @@ PixelOptions pixelOptions(const TransferSettings& settings) {
   if (settings.near_field)
     throw badInput({"", "", "/near_field"}, "transfer in a pixel basis is for distant light only", "false",
                    "basis sh has near fields");
+  if (settings.options.fit != Fit::kVertices)
+    throw badInput({"", "", "/fit"}, "transfer in a pixel basis counts what each vertex sees", "\"vertices\"",
+                   "basis sh can be fitted");
   if (settings.isGlossy())
     throw badInput({"", "", "/technique"},
                    "transfer in a pixel basis has no matrices of spherical harmonics beside it",

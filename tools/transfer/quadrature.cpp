@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <Eigen/Geometry>
 #include <numbers>
 
 #include "transport/diffusion.h"
 #include "transport/directions.h"
 #include "transport/multiversioned.h"
+#include "transport/random.h"
 #include "transport/sh.h"
 
 namespace bakelight::transfer {
@@ -37,14 +40,29 @@ BAKELIGHT_MULTIVERSIONED std::size_t collectAbove(const transport::RayBundle& di
   return end;
 }
 
+// Evenly distributed rotations (Shoemake 1992, "Uniform Random Rotations").
+Eigen::Matrix3d randomTurn(std::uint32_t number) {
+  const auto random = [&](std::uint64_t dimension) {
+    return 0x1p-64 * static_cast<double>(transport::scrambled(transport::scrambled(number) ^ dimension));
+  };
+  const double share = random(0), a = 2 * std::numbers::pi * random(1), b = 2 * std::numbers::pi * random(2);
+  const double r = std::sqrt(1 - share), s = std::sqrt(share);
+  return Eigen::Quaterniond(s * std::cos(b), r * std::sin(a), r * std::cos(a), s * std::sin(b))
+      .toRotationMatrix();
+}
+
 }  // namespace
 
-Quadrature::Quadrature(int order, int count)
+Quadrature::Quadrature(int order, int count, std::uint32_t turn)
     : row_size_(transport::paddedToTiles(transport::coefficientCount(order))),
       directions_(count),
       basis_(count * row_size_, 0.0f),
       weight_(4 * std::numbers::pi / count) {
-  const std::vector<Vec3> lattice = transport::sphereDirections(count);
+  std::vector<Vec3> lattice = transport::sphereDirections(count);
+  if (turn > 0) {
+    const Eigen::Matrix3d turned = randomTurn(turn);
+    for (Vec3& direction : lattice) direction = (turned * direction).normalized();
+  }
   tbb::parallel_for(0, count, [&](int d) {
     directions_.set(d, transport::float3(lattice[d]));
     std::array<double, transport::coefficientCount(transport::kMaxEvaluatedOrder)> values;

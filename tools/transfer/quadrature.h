@@ -21,7 +21,8 @@ std::vector<double> cosineFactors(int order, double entered_ior);
 // One fixed set of directions of equal weight over the sphere.
 class Quadrature {
  public:
-  Quadrature(int order, int count);
+  // Sets of different `turn` are the same one, turned at random; 0 is as it is.
+  Quadrature(int order, int count, std::uint32_t turn = 0);
 
   std::size_t size() const { return directions_.size(); }
   double weight() const { return weight_; }          // 4π / count, steradians

@@ -27,11 +27,11 @@ ShadowPass::Workspace::Workspace(const ShadowPass& pass)
                : 0) {}
 
 ShadowPass::ShadowPass(const formats::TriangleMesh& mesh, const transport::RayScene& scene,
-                       const ShadowOptions& options, int directions)
+                       const ShadowOptions& options, int directions, std::uint32_t turn)
     : mesh_(mesh),
       scene_(scene),
       options_(options),
-      quadrature_(std::max({options.order, options.visibility_order, kJudgedOrder}), directions),
+      quadrature_(std::max({options.order, options.visibility_order, kJudgedOrder}), directions, turn),
       cosine_factors_(cosineFactors(std::max(options.order, kJudgedOrder), options.entered_ior)) {
   if (options.visibility_order > 0)
     hemisphere_zonal_ = transport::diskLightZonal(options.visibility_order, std::numbers::pi / 2);

@@ -45,7 +45,7 @@ class ShadowPass {
   struct Workspace;
 
   ShadowPass(const formats::TriangleMesh& mesh, const transport::RayScene& scene,
-             const ShadowOptions& options, int directions);
+             const ShadowOptions& options, int directions, std::uint32_t turn = 0);
 
   // The control variate is that of transfer.h; `sides_from_behind` (surface_points.h) tells whose back sides
   // count, where hits are recorded: those of closed components are inside and dark. Reentrant with a

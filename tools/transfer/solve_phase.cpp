@@ -9,6 +9,7 @@
 #include "tools/transfer/buried.h"
 #include "tools/transfer/matrices.h"
 #include "tools/transfer/outliers.h"
+#include "tools/transfer/sample_phase.h"
 #include "tools/transfer/stopwatch.h"
 
 namespace bakelight::transfer {
@@ -61,6 +62,18 @@ struct BouncePoints {
   std::vector<Float3> albedo;
 };
 
+// Backs that samples may see.
+std::vector<std::uint32_t> allBacks(const BakeSetup& setup) {
+  const auto vertex_count = static_cast<std::uint32_t>(setup.vertexCount());
+  std::vector<std::uint32_t> backs;
+  for (const formats::Triangle& sides : setup.sides_from_behind)
+    for (const std::uint32_t side : sides)
+      if (side != kDarkSide && side >= vertex_count) backs.push_back(side);
+  std::sort(backs.begin(), backs.end());
+  backs.erase(std::unique(backs.begin(), backs.end()), backs.end());
+  return backs;
+}
+
 // Traces the back sides that are seen, and those that these see, until no new one turns up.
 BouncePoints addSeenBacks(const BakeSetup& setup, TracedPoints& points) {
   const auto vertex_count = static_cast<std::uint32_t>(setup.vertexCount());
@@ -68,12 +81,15 @@ BouncePoints addSeenBacks(const BakeSetup& setup, TracedPoints& points) {
   std::iota(all.row_of_side.begin(), all.row_of_side.begin() + vertex_count, 0U);
   for (std::size_t first = 0; first < points.seen.blockCount();) {
     std::vector<std::uint32_t> wanted;
+    const auto want = [&](std::uint32_t side) {
+      if (all.row_of_side[side] != kDarkSide) return;
+      all.row_of_side[side] = 0;
+      wanted.push_back(side - vertex_count);
+    };
+    if (first == 0 && setup.fitted())
+      for (const std::uint32_t side : allBacks(setup)) want(side);
     for (std::size_t b = first; b < points.seen.blockCount(); ++b)
-      for (const std::uint32_t side : points.seen.block(b).columns)
-        if (all.row_of_side[side] == kDarkSide) {
-          all.row_of_side[side] = 0;
-          wanted.push_back(side - vertex_count);
-        }
+      for (const std::uint32_t side : points.seen.block(b).columns) want(side);
     first = points.seen.blockCount();
     std::sort(wanted.begin(), wanted.end());
     std::vector<SurfacePoint> backs;
@@ -102,11 +118,11 @@ class BlockSolver {
         channels_(static_cast<std::size_t>(setup.channels)),
         blocks_((setup.sphere ? 2 : 1) * channels_) {}
 
-  // Exit radiance of distant light, if it is wanted.
+  // Exit radiance, if it is wanted: of distant light, and of near light, too, for samples.
   std::optional<transport::TransferField> solve(bool exit_wanted) {
     const std::size_t rows = points_.figures.size();
     std::optional<transport::TransferField> exit;
-    if (exit_wanted) exit.emplace(rows, channels_ * setup_.coefficients);
+    if (exit_wanted) exit.emplace(rows, (setup_.fitted() ? blocks_ : channels_) * setup_.coefficients);
     const std::size_t room = roomForFields(setup_, rows, points_.seen.bytes());
     const std::size_t at_once = blocksAtOnce(rows, room);
     for (std::size_t first = 0; first < blocks_; first += at_once) {
@@ -165,10 +181,10 @@ class BlockSolver {
     table.resize(setup_.vertexCount() * width);
     for (std::size_t v = 0; v < setup_.vertexCount(); ++v)
       std::copy_n(&field.row(v)[column], size, &table[v * width + channel * size]);
-    if (!exit || block >= channels_) return;
+    if (!exit || (block + 1) * size > exit->columns) return;
     for (std::size_t p = 0; p < field.pointCount(); ++p)
       for (std::size_t i = 0; i < size; ++i)
-        exit->row(p)[channel * size + i] = field.row(p)[column + i] * bounce_.albedo[p][channel];
+        exit->row(p)[block * size + i] = field.row(p)[column + i] * bounce_.albedo[p][channel];
   }
 
   const BakeSetup& setup_;
@@ -181,7 +197,7 @@ class BlockSolver {
 
 struct BouncedLight {
   BouncePoints points;
-  std::optional<transport::TransferField> exit;  // for matrices
+  std::optional<transport::TransferField> exit;  // for matrices and samples
 };
 
 BouncedLight bounce(BakeSetup& setup, TracedPoints& points, const transport::BuriedFill& fill,
@@ -192,13 +208,14 @@ BouncedLight bounce(BakeSetup& setup, TracedPoints& points, const transport::Bur
   result.back_points = points.figures.size() - setup.vertexCount();
   result.form_factors = points.seen.shareCount();
   result.form_factor_bytes = points.seen.bytes();
+  const bool exit_wanted = setup.needsMatrices() || setup.fitted();
   // The tree makes place for the fields.
-  if (!setup.needsMatrices()) {
+  if (!exit_wanted) {
     setup.pass.reset(), setup.scene.reset();
     setup.fronts = {}, setup.sides_from_behind = {};
   }
   BlockSolver solver(setup, points, bounced.points, fill, result);
-  bounced.exit = solver.solve(setup.needsMatrices());
+  bounced.exit = solver.solve(exit_wanted);
   points.seen = transport::FormFactors();
   result.interreflection_s = watch.seconds();
   return bounced;
@@ -266,7 +283,7 @@ class MatrixPhase {
 
 }  // namespace
 
-Transfer solve(BakeSetup setup, TracedPoints points) {
+Transfer solve(BakeSetup setup, TracedPoints points, stage::Progress* progress) {
   Transfer result;
   result.channels = setup.channels;
   if (setup.sphere) result.sphere = *setup.sphere;
@@ -290,6 +307,9 @@ Transfer solve(BakeSetup setup, TracedPoints points) {
   const std::size_t width = static_cast<std::size_t>(setup.channels) * setup.coefficients;
   fill.apply(result.vectors, width);
   if (setup.sphere) fill.apply(result.near_vectors, width);
+  if (setup.fitted())
+    fitToSamples(setup, bounced.exit ? &*bounced.exit : nullptr, bounced.points.row_of_side, result,
+                 progress);
   if (setup.options.glossy == Glossy::kNone) return result;
 
   fill.apply(points.visibility, setup.visibility_size);

@@ -7,7 +7,8 @@
 namespace bakelight::transfer {
 
 // `fronts` are those of all vertices. Resamples outliers, fills what is buried, traces the backs that are
-// seen, bounces light, and makes matrices, as the setup asks for.
-Transfer solve(BakeSetup setup, TracedPoints fronts);
+// seen, bounces light, fits what is at the vertices to samples all over the triangles, and makes matrices, as the setup
+// asks for. `progress` advances by one per triangle whose samples are traced.
+Transfer solve(BakeSetup setup, TracedPoints fronts, stage::Progress* progress = nullptr);
 
 }  // namespace bakelight::transfer

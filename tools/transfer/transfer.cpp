@@ -16,7 +16,7 @@ Transfer bakeTransfer(const formats::TriangleMesh& mesh, std::span<const formats
   const Stopwatch watch;
   TracedPoints fronts = traceFronts(setup, {0, mesh.vertexCount()}, progress);
   const double trace_s = watch.seconds();
-  Transfer baked = solve(std::move(setup), std::move(fronts));
+  Transfer baked = solve(std::move(setup), std::move(fronts), &progress);
   baked.shadow_s += trace_s;
   baked.memory_limit = memory.limit;
   baked.memory_expected = memory.expected;

@@ -25,6 +25,11 @@ enum class Glossy {
   kMatrices
 };
 
+enum class Fit {
+  kVertices,     // transfer at the vertices
+  kLeastSquares  // what comes nearest, interpolated, to transfer all over the triangles (transport/vertex_fit.h)
+};
+
 struct TransferOptions {
   int order = 5;          // SH bands of the light, 1–10
   int directions = 4096;  // over the whole sphere; each vertex traces the half above its tangent plane
@@ -35,7 +40,12 @@ struct TransferOptions {
 
   transport::InterreflectionOptions interreflection = {};
   Glossy glossy = Glossy::kNone;
-  int row_order = 5;  // SH bands of transferred radiance, 1–10
+  int row_order = 5;         // SH bands of transferred radiance, 1–10
+  Fit fit = Fit::kVertices;  // least squares not with glossy transfer
+  int samples = 8;           // least squares: a triangle, each of an eighth of the directions
+  // Least squares: what the samples are taken from, a finer mesh with normals, which the one that is baked stands for.
+  // None: the latter. Not with bounces.
+  const formats::TriangleMesh* original = nullptr;
   // Of the local frames, one a vertex; empty: any tangents (vertexTangents).
   std::vector<formats::Float4> tangents = {};
   // > 0: near-field vectors too, for a virtual sphere of so many radii of the bounding sphere, around its
@@ -47,6 +57,20 @@ struct TransferOptions {
   // Interreflected: GB (10⁹ bytes) that the bake keeps within, its matrices and visibility vectors apart; 0:
   // defaultMemory (memory_plan.h). Results differ only where exact form factors do not fit.
   double memory = 0;
+};
+
+struct FitFigures {
+  std::uint64_t samples = 0, rays = 0;
+  // Samples that are not looked at: inside of another part of the mesh; with nothing of the original near them that
+  // faces the same way.
+  std::uint64_t buried_samples = 0, strayed_samples = 0;
+  // Vertices whose fitted values would show less than nothing, or more than all, of uniform light: they show that.
+  std::uint64_t limited_vertices = 0;
+  double least_shown = 1, most_shown = 0;  // of a uniform light of 1, over vertices and colours, before that
+  // Of vectors interpolated between vertices, at the samples and over all coefficients: √(Σ area |Δ|² ÷ Σ area |T|²).
+  double error_at_vertices = 0, error = 0;
+  int iterations = 0;
+  double seconds = 0;
 };
 
 struct Transfer {
@@ -77,6 +101,8 @@ struct Transfer {
   // far the given number of directions is from resolving the basis. The control variate takes this error out
   // of what is not blocked.
   double quadrature_error = 0;
+
+  FitFigures fit;
 
   transport::InterreflectionReport interreflection;
   std::uint64_t back_points = 0;   // back sides of vertices whose bounced light was needed

@@ -25,6 +25,7 @@ constexpr formats::Word<Storage> kStorages[] = {
 constexpr formats::Word<FrameSource> kFrameSources[] = {{"normals", FrameSource::kNormals},
                                                         {"texcoords", FrameSource::kTexcoords}};
 constexpr formats::Word<Horizon> kHorizons[] = {{"cut", Horizon::kCut}, {"open", Horizon::kOpen}};
+constexpr formats::Word<Fit> kFits[] = {{"vertices", Fit::kVertices}, {"least_squares", Fit::kLeastSquares}};
 constexpr formats::Word<Transport> kTransports[] = {{"unshadowed", Transport::kUnshadowed},
                                                     {"shadowed", Transport::kShadowed},
                                                     {"interreflected", Transport::kInterreflected}};
@@ -126,6 +127,12 @@ void declare(stage::Tool& tool, TransferSettings& settings) {
       .parameter("components", settings.cpca.components, {1, 64}, "", "cpca: weights a vertex")
       .parameter("directions", options.directions, {64, 1048576}, "directions over the sphere",
                  "Rays for shadows; each vertex traces the half above its tangent plane")
+      .parameter(
+          "fit", options.fit, kFits,
+          "Transfer as it is at the vertices, or what comes nearest, interpolated, to samples all over the "
+          "triangles: less error of the same bytes; not of matrices")
+      .parameter("samples", options.samples, {1, 4096}, "a triangle",
+                 "Least squares: each takes an eighth of the directions")
       .parameter("threshold", options.interreflection.threshold, {1e-6, 1}, "share of all light",
                  "Interreflected: bounces go on until less than this can be missing")
       .parameter("bounces", options.interreflection.bounces, {0, 1000}, "",
@@ -147,6 +154,9 @@ void declare(stage::Tool& tool, TransferSettings& settings) {
 TransferOptions bakeOptions(const TransferSettings& settings) {
   TransferOptions options = settings.options;
   options.sphere_radius = settings.near_field ? settings.sphere_radius : 0;
+  if (settings.isGlossy() && options.fit == Fit::kLeastSquares)
+    throw badInput({"", "", "/fit"}, "transfer matrices are in the frames of their vertices, and not fitted",
+                   "\"vertices\"", "with technique \"diffuse\" it can be kept");
   if (settings.isGlossy()) {
     options.glossy = settings.storage == Storage::kVisibility ? Glossy::kVisibility : Glossy::kMatrices;
     if (options.transport == Transport::kInterreflected && options.glossy == Glossy::kVisibility)
@@ -171,6 +181,16 @@ formats::TriangleMesh readBakeableMesh(const std::filesystem::path& path) {
         throw badInput({path.string(), "vertex " + std::to_string(v), ""},
                        "its colour is " + std::to_string(value), "a linear albedo of 0 to 1");
   return mesh;
+}
+
+void requireOriginalOfUse(const TransferSettings& settings, const std::string& original_file) {
+  if (settings.options.fit != Fit::kLeastSquares)
+    throw badInput({original_file, "", "/fit"},
+                   "samples are taken from the original only where they are fitted", "\"least_squares\"",
+                   "leave the original out");
+  if (settings.options.transport == Transport::kInterreflected)
+    throw badInput({original_file, "", "/transport"}, "light that bounces off the original is not known",
+                   "\"shadowed\" or \"unshadowed\"", "leave the original out");
 }
 
 std::vector<formats::Float4> localFrames(const formats::TriangleMesh& mesh, FrameSource source,
@@ -224,6 +244,10 @@ void writeTransfer(const std::filesystem::path& path, const formats::TriangleMes
                        {"albedo", "outside"},
                        {"inverse_pi", "inside"},
                        {"mesh_hash", formats::geometryHash(mesh)}};
+  if (settings.options.fit != Fit::kVertices) {
+    contents.metadata["fit"] = formats::wordFor(kFits, settings.options.fit);
+    contents.metadata["samples"] = std::to_string(settings.options.samples);
+  }
   if (settings.options.entered_ior > 0)
     contents.metadata["entered_ior"] = std::to_string(settings.options.entered_ior);
   contents.add("transfer", {vertices, channels, count}, baked.vectors);
@@ -274,6 +298,22 @@ void reportInterreflection(const TransferSettings& settings, const Transfer& bak
              std::to_string(bounced.added_energy.size()) + " bounces; bounces 0 goes on until the threshold");
 }
 
+void reportFit(const FitFigures& fit, stage::Run& run) {
+  run.stat("samples", fit.samples);
+  run.stat("buried_samples", fit.buried_samples);
+  run.stat("strayed_samples", fit.strayed_samples);
+  run.stat("sample_rays", fit.rays);
+  run.stat("interpolation_error_at_vertices", fit.error_at_vertices);
+  run.stat("interpolation_error", fit.error);
+  run.stat("least_shown", fit.least_shown);
+  run.stat("most_shown", fit.most_shown);
+  run.stat("limited_vertices", fit.limited_vertices);
+  run.stat("fit_s", fit.seconds);
+  if (2 * fit.strayed_samples > fit.samples)
+    run.warn(
+        "most samples have nothing of the original near them: is it the mesh that this one was made from?");
+}
+
 }  // namespace
 
 void report(const formats::TriangleMesh& mesh, const TransferSettings& settings, const Transfer& baked,
@@ -293,6 +333,7 @@ void report(const formats::TriangleMesh& mesh, const TransferSettings& settings,
   run.stat("resampled_vertices", baked.resampled_vertices);
   run.stat("quadrature_error", baked.quadrature_error);
   if (settings.options.transport == Transport::kInterreflected) reportInterreflection(settings, baked, run);
+  if (settings.options.fit == Fit::kLeastSquares) reportFit(baked.fit, run);
   if (settings.isGlossy()) run.stat("matrices_s", baked.matrices_s);
   if (cpca) {
     run.stat("cpca_relative_error", cpca->relative_error);

@@ -52,6 +52,8 @@ TransferOptions bakeOptions(const TransferSettings& settings);
 
 // Throws Error(kBadInput) if the mesh has no vertex or no normals.
 formats::TriangleMesh readBakeableMesh(const std::filesystem::path& path);
+// Throws Error(kBadInput) where settings have no use for an original.
+void requireOriginalOfUse(const TransferSettings& settings, const std::string& original_file);
 // The tangents of the vertices' frames: those of `frames_path` if that is not empty (tensor "tangent", made for this
 // mesh), else along texture coordinates, or none where any will do. Throws Error(kBadInput) naming file and
 // tensor, or /frame for a mesh without texture coordinates; warns of vertices that these leave undetermined.

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "tools/transfer/matrices.h"
+#include "tools/transfer/sample_phase.h"
 #include "transport/sh.h"
 
 namespace bakelight::transfer {
@@ -64,6 +65,7 @@ Transfer bakeUnshadowed(const BakeSetup& setup, stage::Progress& progress) {
   result.channels = setup.channels;
   if (setup.sphere) result.sphere = *setup.sphere;
   bakeVectors(setup, progress, result);
+  if (setup.fitted()) fitToSamples(setup, nullptr, {}, result, &progress);
   if (setup.options.glossy == Glossy::kNone) return result;
   result.tangents = setup.tangents();
   bakeVisibility(setup, result);
