@@ -54,7 +54,9 @@ int main(int argc, char** argv) {
       .parameter("integrator", options.paths.integrator, reference::kIntegrators,
                  "uniform: over the hemisphere, without sampling lights; slow, for checks")
       .parameter("at", options.at, reference::kAts,
-                 "vertices: exit radiance at the vertices, interpolated as the player does")
+                 "vertices: exit radiance at the vertices, interpolated as the player does; least_squares: "
+                 "the values there "
+                 "that, interpolated, come nearest to it all over the triangles")
       .parameter("ground", ground,
                  "a plane that the object stands on, in its shadow and the light that it reflects; the "
                  "object does not see it")

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tools/reference/coverage.h"
+#include "transport/vertex_fit.h"
 
 namespace bakelight::reference {
 namespace {
@@ -194,6 +195,23 @@ InterpolatedPixel interpolate(const Scene& scene, const View& view, int x, int y
   return pixel;
 }
 
+std::vector<InterpolatedPixel> interpolatedPixels(const Scene& scene, const View& view) {
+  std::vector<InterpolatedPixel> pixels(static_cast<std::size_t>(view.width_px) * view.height_px);
+  tbb::parallel_for(0, view.height_px, [&](int y) {
+    for (int x = 0; x < view.width_px; ++x)
+      pixels[static_cast<std::size_t>(y) * view.width_px + x] = interpolate(scene, view, x, y);
+  });
+  return pixels;
+}
+std::uint64_t cameraRays(const std::vector<InterpolatedPixel>& pixels) {
+  return pixels.size() * kInterpolatedSubsamples * kInterpolatedSubsamples;
+}
+// An eye at the point itself looks along the normal, as the player's does.
+Vec3 towards(const Vec3& eye, const Vec3& position, const Vec3& normal) {
+  const Vec3 offset = eye - position;
+  return offset.norm() > 0 ? Vec3(offset.normalized()) : normal;
+}
+
 class VertexTracer {
  public:
   VertexTracer(const Scene& scene, const PathTracer& tracer, const View& view, std::uint64_t seed)
@@ -202,13 +220,9 @@ class VertexTracer {
         view_(view),
         seed_(seed),
         eye_(view.camera.eye()),
-        pixels_(static_cast<std::size_t>(view.width_px) * view.height_px),
+        pixels_(interpolatedPixels(scene, view)),
         vertices_(scene.mesh().vertexCount()),
         squared_weights_(scene.mesh().vertexCount(), 0.0) {
-    tbb::parallel_for(0, view.height_px, [&](int y) {
-      for (int x = 0; x < view.width_px; ++x)
-        pixels_[static_cast<std::size_t>(y) * view.width_px + x] = interpolate(scene, view, x, y);
-    });
     for (const InterpolatedPixel& pixel : pixels_)
       for (const auto& [vertex, weight] : pixel.weights) squared_weights_[vertex] += weight * weight;
     for (std::uint32_t v = 0; v < vertices_.size(); ++v)
@@ -216,16 +230,12 @@ class VertexTracer {
   }
 
   std::size_t seenCount() const { return seen_.size(); }
-  std::uint64_t cameraRays() const {
-    return pixels_.size() * kInterpolatedSubsamples * kInterpolatedSubsamples;
-  }
+  std::uint64_t cameraRays() const { return reference::cameraRays(pixels_); }
 
   TraceCounts trace(std::size_t place, int first_batch, int end_batch) {
     const std::uint32_t vertex = seen_[place];
     const ShadingPoint point = scene_.pointAtVertex(vertex);
-    const Vec3 offset = eye_ - vec3(scene_.mesh().positions[vertex]);
-    // An eye at the vertex itself looks along the normal, as the player's does.
-    const Vec3 outgoing = offset.norm() > 0 ? Vec3(offset.normalized()) : point.normal;
+    const Vec3 outgoing = towards(eye_, vec3(scene_.mesh().positions[vertex]), point.normal);
     TraceCounts counts;
     for (int number = first_batch; number < end_batch; ++number) {
       const StratifiedBatch batch(seed_, vertex, static_cast<std::uint64_t>(number));
@@ -277,6 +287,166 @@ class VertexTracer {
   std::vector<std::uint32_t> seen_;      // vertices with a weight
 };
 
+// Values at vertices fitted to paths from all over the triangles.
+class TriangleTracer {
+ public:
+  TriangleTracer(const Scene& scene, const PathTracer& tracer, const View& view, std::uint64_t seed)
+      : scene_(scene),
+        tracer_(tracer),
+        view_(view),
+        seed_(seed),
+        eye_(view.camera.eye()),
+        pixels_(interpolatedPixels(scene, view)),
+        triangles_(nearSeenVertices()),
+        sums_(triangles_.size()) {}
+
+  std::size_t triangleCount() const { return triangles_.size(); }
+  std::uint64_t cameraRays() const { return reference::cameraRays(pixels_); }
+
+  TraceCounts trace(std::size_t place, int first_batch, int end_batch) {
+    TraceCounts counts;
+    for (int number = first_batch; number < end_batch; ++number) traceBatch(place, number, counts);
+    if (place == 0) batches_ = end_batch;
+    return counts;
+  }
+
+  double relativeError() {
+    solve();
+    double variance = 0, square = 0;
+    for (const InterpolatedPixel& pixel : pixels_) {
+      if (pixel.weights.empty()) continue;
+      const Shown shown = show(pixel);
+      variance += shown.luminance_variance;
+      const double luminance = transport::luminance(float3(shown.mean.matrix()));
+      square += luminance * luminance;
+    }
+    return ratioOfRoots(variance, square);
+  }
+
+  Picture picture() const {
+    Picture picture{emptyImage(view_), {}, 0};
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+      const Shown shown = show(pixels_[i]);
+      setPixel(picture.image, i, shown.mean, pixels_[i].alpha, shown.variance);
+      picture.object_pixels += pixels_[i].weights.empty() ? 0 : 1;
+    }
+    return picture;
+  }
+
+ private:
+  static constexpr std::size_t kColumns = std::size_t{3} * kFittedGroups;  // groups × colours
+  // Σ over the batches of a group of what the samples of one say: of each corner, in each column.
+  using Sums = std::array<std::array<double, kColumns>, 3>;
+
+  std::vector<std::uint32_t> nearSeenVertices() const {
+    const formats::TriangleMesh& mesh = scene_.mesh();
+    std::vector<std::uint8_t> near(mesh.vertexCount(), 0);
+    for (const InterpolatedPixel& pixel : pixels_)
+      for (const auto& [vertex, weight] : pixel.weights) near[vertex] = 1;
+    std::vector<std::uint32_t> found;
+    for (int ring = 0; ring < kFittedRings; ++ring) {
+      found.clear();
+      for (std::uint32_t t = 0; t < mesh.triangleCount(); ++t) {
+        const auto& [a, b, c] = mesh.triangles[t];
+        if (near[a] + near[b] + near[c] > 0) found.push_back(t);
+      }
+      for (const std::uint32_t t : found)
+        for (const std::uint32_t v : mesh.triangles[t]) near[v] = 1;
+    }
+    return found;
+  }
+
+  void traceBatch(std::size_t place, int number, TraceCounts& counts) {
+    constexpr int kSize = StratifiedBatch::kSize;
+    const std::uint32_t triangle = triangles_[place];
+    const StratifiedBatch batch(seed_, triangle, static_cast<std::uint64_t>(number));
+    std::array<Vec3, kSize> weights;
+    std::array<Rgb, kSize> radiance;
+    Vec3 mean_weights = Vec3::Zero();
+    Rgb mean = Rgb::Zero();
+    for (int s = 0; s < kSize; ++s) {
+      auto [u, v] = batch.pair(s, kPixelDimension);
+      if (u + v > 1) u = 1 - u, v = 1 - v;
+      weights[s] = {1 - u - v, u, v};
+      const ShadingPoint point =
+          scene_.pointAt({true, 0, triangle, static_cast<float>(u), static_cast<float>(v), false});
+      radiance[s] =
+          tracer_.exitRadiance(point, towards(eye_, point.position, point.normal), {batch, s}, counts);
+      mean_weights += weights[s] / kSize;
+      mean += radiance[s] / kSize;
+    }
+    // ∫ hat · radiance as (∫ hat) · mean + covariance: where the places happen to lie makes no noise of the mean.
+    for (int corner = 0; corner < 3; ++corner) {
+      Rgb share = mean / 3;
+      for (int s = 0; s < kSize; ++s)
+        share += (weights[s][corner] - mean_weights[corner]) * (radiance[s] - mean) / kSize;
+      for (int c = 0; c < 3; ++c)
+        sums_[place][corner][3 * static_cast<std::size_t>(number % kFittedGroups) + c] += share[c];
+    }
+  }
+
+  int batchesOf(int group) const {
+    return batches_ / kFittedGroups + (group < batches_ % kFittedGroups ? 1 : 0);
+  }
+
+  void solve() {
+    // Definite where triangles have no area; it moves no picture.
+    constexpr double kSmoothness = 1e-4;
+    const formats::TriangleMesh& mesh = scene_.mesh();
+    transport::VertexFit fit(mesh, kColumns, kSmoothness);
+    for (std::size_t place = 0; place < triangles_.size(); ++place) {
+      const auto& [a, b, c] = mesh.triangles[triangles_[place]];
+      const Vec3 origin = vec3(mesh.positions[a]);
+      const double area =
+          (vec3(mesh.positions[b]) - origin).cross(vec3(mesh.positions[c]) - origin).norm() / 2;
+      const auto own = static_cast<float>(area / 6), other = static_cast<float>(area / 12);
+      transport::VertexFit::Element element{{own, other, other, own, other, own}, {}};
+      for (int corner = 0; corner < 3; ++corner)
+        for (std::size_t column = 0; column < kColumns; ++column) {
+          const int count = batchesOf(static_cast<int>(column / 3));
+          element.right.push_back(count > 0 ? static_cast<float>(area * sums_[place][corner][column] / count)
+                                            : 0.0F);
+        }
+      fit.add(triangles_[place], element);
+    }
+    values_ = fit.solve().rows;
+    first_copy_.clear();
+    for (std::uint32_t v = 0; v < mesh.vertexCount(); ++v) first_copy_.push_back(fit.firstCopy(v));
+  }
+
+  struct Shown {
+    Rgb mean, variance;
+    double luminance_variance = 0;
+  };
+  Shown show(const InterpolatedPixel& pixel) const {
+    BatchMeans spread;
+    Rgb mean = Rgb::Zero();
+    const int groups = std::min(batches_, kFittedGroups);
+    for (int group = 0; group < groups; ++group) {
+      Rgb shown = pixel.constant;
+      for (const auto& [vertex, weight] : pixel.weights)
+        for (int c = 0; c < 3; ++c)
+          shown[c] +=
+              weight * values_[first_copy_[vertex] * kColumns + 3 * static_cast<std::size_t>(group) + c];
+      spread.add(shown);
+      mean += shown * batchesOf(group) / batches_;
+    }
+    return {mean, spread.variance(), spread.luminanceVariance()};
+  }
+
+  const Scene& scene_;
+  const PathTracer& tracer_;
+  const View& view_;
+  std::uint64_t seed_;
+  Vec3 eye_;
+  std::vector<InterpolatedPixel> pixels_;
+  std::vector<std::uint32_t> triangles_;
+  std::vector<Sums> sums_;  // of triangles_
+  int batches_ = 0;         // of each
+  std::vector<float> values_;
+  std::vector<std::uint32_t> first_copy_;
+};
+
 }  // namespace
 
 Picture tracePixels(const Scene& scene, const PathTracer& tracer, const View& view, const Effort& effort,
@@ -301,6 +471,19 @@ Picture traceVertices(const Scene& scene, const PathTracer& tracer, const View& 
   Picture picture = vertices.picture();
   picture.report = report;
   picture.report.counts.rays += vertices.cameraRays();
+  return picture;
+}
+
+Picture traceTriangles(const Scene& scene, const PathTracer& tracer, const View& view, const Effort& effort,
+                       std::uint64_t seed, stage::ProgressStyle progress) {
+  TriangleTracer triangles(scene, tracer, view, seed);
+  const RoundsReport report = runRounds(
+      triangles.triangleCount(), effort,
+      [&](std::size_t place, int first, int end) { return triangles.trace(place, first, end); },
+      [&] { return triangles.relativeError(); }, progress);
+  Picture picture = triangles.picture();
+  picture.report = report;
+  picture.report.counts.rays += triangles.cameraRays();
   return picture;
 }
 

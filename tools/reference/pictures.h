@@ -37,4 +37,13 @@ inline constexpr int kInterpolatedSubsamples = 8;
 Picture traceVertices(const Scene& scene, const PathTracer& tracer, const View& view, const Effort& effort,
                       std::uint64_t seed, stage::ProgressStyle progress);
 
+// The same with those values at the vertices that, interpolated, come nearest to the exit radiance all over the triangles
+// (transport/vertex_fit.h): the best that a bake with a fit could do. Paths start all over the triangles up to
+// kFittedRings around the vertices that a pixel shows. The variance is that between kFittedGroups groups of batches, each
+// of which has a fit of its own; fits are linear, so it is that of their mean.
+inline constexpr int kFittedRings = 2;
+inline constexpr int kFittedGroups = 8;
+Picture traceTriangles(const Scene& scene, const PathTracer& tracer, const View& view, const Effort& effort,
+                       std::uint64_t seed, stage::ProgressStyle progress);
+
 }  // namespace bakelight::reference

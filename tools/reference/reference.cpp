@@ -74,12 +74,14 @@ Reference makeReference(const Surface& surface, const formats::LightRig& rig, co
   View view{transport::frameCamera(options.frame, framed), options.frame.width_px, options.frame.height_px,
             backdropOf(rig, options.frame)};
   if (options.ground) {
-    if (options.at == At::kVertices)
+    if (options.at != At::kPixels)
       throw badInput({"", "", "/ground"}, "a ground has no vertices to trace at", "at pixels",
                      "leave out ground, or at");
     view.ground.emplace(*options.ground, surface.mesh, framed, transport::worldFromObject(options.frame));
   }
-  const auto trace = options.at == At::kPixels ? tracePixels : traceVertices;
+  const auto trace = options.at == At::kPixels     ? tracePixels
+                     : options.at == At::kVertices ? traceVertices
+                                                   : traceTriangles;
   Reference reference{
       trace(scene, tracer, view, options.effort, static_cast<std::uint64_t>(options.seed), progress), {}};
   reference.metadata = metadataOf(options, surface, view.camera, framed, reference.picture.report);

@@ -15,8 +15,9 @@
 
 namespace bakelight::reference {
 
-enum class At { kPixels, kVertices };
-inline constexpr formats::Word<At> kAts[] = {{"pixels", At::kPixels}, {"vertices", At::kVertices}};
+enum class At { kPixels, kVertices, kLeastSquares };
+inline constexpr formats::Word<At> kAts[] = {
+    {"pixels", At::kPixels}, {"vertices", At::kVertices}, {"least_squares", At::kLeastSquares}};
 
 // What stands on faces whose material has a patch with a surface.
 enum class Patches { kGeometry, kNone };

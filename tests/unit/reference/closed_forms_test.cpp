@@ -37,7 +37,7 @@ TEST_P(Furnace, ConvexBodySendsItsAlbedo) {
 
 INSTANTIATE_TEST_SUITE_P(Bodies, Furnace,
                          testing::Combine(testing::Bool(), testing::Values(1.0f, 0.4f),
-                                          testing::Values(At::kPixels, At::kVertices)));
+                                          testing::Values(At::kPixels, At::kVertices, At::kLeastSquares)));
 
 // Inside of a sphere that is open above. A vertex sees exactly f of the sky (Lambert's formula), of which it
 // sends ρ f; with bounces it sends B / π whatever the vertex, but for how the sphere is cut into triangles.

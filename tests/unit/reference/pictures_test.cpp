@@ -187,7 +187,7 @@ TEST_P(ConvexBody, HasTheSameLightInEveryTransport) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Places, ConvexBody, testing::Values(At::kPixels, At::kVertices));
+INSTANTIATE_TEST_SUITE_P(Places, ConvexBody, testing::Values(At::kPixels, At::kVertices, At::kLeastSquares));
 
 TEST(Bunny, ShadowsDarkenAndBouncesBrighten) {
   Options options = pictureOptions(20, 15, 256);
@@ -235,9 +235,27 @@ TEST(Vertices, AreInterpolatedWithTheirVariance) {
   EXPECT_EQ(made.picture.report.samples, 64);
 }
 
+// Colours that are linear over each triangle, in even light, are all that triangles can show.
+TEST(Triangles, FittedToWhatVerticesSayAreTheVertices) {
+  Options options = pictureOptions(24, 18, 256);
+  options.frame.pitch_deg = 80;
+  Surface floor = surfaceOf(floorSquare(1), 1);
+  floor.material.vertex_albedo = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5f, 0.5f, 0.5f}};
+  options.at = At::kLeastSquares;
+  const Reference fitted = render(floor, wideLamp(), options);
+  options.at = At::kVertices;
+  options.seed = 1;
+  const PixelStatistics difference =
+      compare(fitted.picture.image, render(floor, wideLamp(), options).picture.image);
+  EXPECT_GT(difference.pixels, 100);
+  EXPECT_LT(difference.chi_squared, 2);
+  EXPECT_GT(difference.chi_squared, 0.1);
+  EXPECT_LT(fitted.picture.report.relative_error, 0.05);
+}
+
 TEST(Pictures, AreTheSameWithAnyNumberOfThreads) {
   const Surface ball = surfaceOf(icosphere(2), 0.8f);
-  for (const At at : {At::kPixels, At::kVertices}) {
+  for (const At at : {At::kPixels, At::kVertices, At::kLeastSquares}) {
     Options options = pictureOptions(24, 18, 4096);
     options.at = at;
     options.effort.relative_error = at == At::kPixels ? 0.05 : 0.01;
@@ -307,7 +325,7 @@ TEST(Pictures, ShowEmittersAndTheBackground) {
   rig.emitters.push_back(quad);
   Options options = pictureOptions(41, 31, 64);
   options.frame.yaw_deg = options.frame.pitch_deg = 0;
-  for (const At at : {At::kPixels, At::kVertices}) {
+  for (const At at : {At::kPixels, At::kVertices, At::kLeastSquares}) {
     options.at = at;
     options.frame.background = formats::Background::kEnvironment;
     const formats::Image over_sky = render(surfaceOf(icosphere(1), 0.5f), rig, options).picture.image;
