@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -190,14 +191,19 @@ Json toJson(const Patch& patch) {
   return json;
 }
 
+bool isOfAlbedo(const std::optional<Medium>& medium) {
+  return medium && medium->reflectance == ReflectanceSource::kAlbedo;
+}
+
 Json toJson(const Material& material, const std::vector<std::string>& parts) {
   const auto wanted = [&](const char* part) {
     return parts.empty() || std::find(parts.begin(), parts.end(), part) != parts.end();
   };
   Json json = Json::object();
   if (wanted("name") && !material.name.empty()) json["name"] = material.name;
-  if (wanted("albedo") && material.albedo) json["albedo"] = numbersOf(*material.albedo);
-  if (wanted("albedo") && !material.texture.empty()) json["albedo"] = material.texture.string();
+  const bool albedo_wanted = wanted("albedo") || (wanted("medium") && isOfAlbedo(material.medium));
+  if (albedo_wanted && material.albedo) json["albedo"] = numbersOf(*material.albedo);
+  if (albedo_wanted && !material.texture.empty()) json["albedo"] = material.texture.string();
   if (wanted("reflection") && !std::holds_alternative<Lambert>(material.reflection))
     json["reflection"] = toJson(material.reflection);
   if (wanted("patch") && material.patch) json["patch"] = toJson(*material.patch);
@@ -261,6 +267,40 @@ void requireColors(const TriangleMesh& mesh, const Materials& materials, const s
     throw badInput({file, "", "/albedo"},
                    "the mesh has no colours of the texture " + materials.base.texture.string(),
                    "a mesh with colours at its vertices", "run it through simplify with that texture");
+  const auto require = [&](const Material& material, const std::string& pointer) {
+    if (isOfAlbedo(material.medium) && !material.albedo && mesh.colors.empty())
+      throw badInput({file, "", pointer + "/medium/reflectance"},
+                     "the albedo is what the medium reflects, and there is none",
+                     "\"albedo\", or a mesh with colours at its vertices",
+                     "give the material an \"albedo\", or leave \"reflectance\" out");
+  };
+  if (materials.by_name.empty()) require(materials.base, "");
+  for (const auto& [name, material] : materials.by_name)
+    require(material, childPointer("/materials", name));
+}
+
+// Takes the albedos of what consists of a medium whose reflectance they are off the surface.
+void moveIntoMedia(const TriangleMesh& mesh, const std::string& mesh_file, SurfaceMaterials& surface) {
+  if (std::none_of(surface.media.begin(), surface.media.end(), isOfAlbedo)) return;
+  surface.medium_reflectance.assign(mesh.vertexCount(), {1, 1, 1});
+  if (surface.vertex_albedo.empty()) surface.vertex_albedo.assign(mesh.vertexCount(), surface.albedo);
+  std::vector<std::uint8_t> taken(mesh.vertexCount(), 0);
+  for (std::size_t t = 0; t < mesh.triangleCount(); ++t) {
+    if (!isOfAlbedo(surface.media[surface.of_triangle.empty() ? 0 : surface.of_triangle[t]])) continue;
+    for (const std::uint32_t vertex : mesh.triangles[t]) {
+      if (taken[vertex] != 0) continue;
+      taken[vertex] = 1;
+      std::swap(surface.medium_reflectance[vertex], surface.vertex_albedo[vertex]);
+      for (const float value : surface.medium_reflectance[vertex])
+        if (!std::isfinite(value))
+          throw badInput({mesh_file, "vertex " + std::to_string(vertex), ""},
+                         "its color is not finite, and the medium would reflect that", "numbers from 0 to 1");
+    }
+  }
+  if (std::all_of(surface.media.begin(), surface.media.end(), isOfAlbedo)) {
+    surface.albedo = {1, 1, 1};
+    surface.vertex_albedo.clear();
+  }
 }
 
 }  // namespace
@@ -398,6 +438,7 @@ SurfaceMaterials materialsOn(const TriangleMesh& mesh, const Materials& material
     surface.albedo = materials.base.albedo.value_or(albedoWithoutColors(materials.base));
     if (!materials.base.albedo) surface.vertex_albedo = mesh.colors;
     surface.replaces_colors = materials.base.albedo && !mesh.colors.empty();
+    moveIntoMedia(mesh, mesh_file, surface);
     return surface;
   }
   requireMaterials(mesh);
@@ -419,6 +460,7 @@ SurfaceMaterials materialsOn(const TriangleMesh& mesh, const Materials& material
       albedo.give(vertex, name, number, materials.of(name));
   }
   surface.vertex_albedo = albedo.take();
+  moveIntoMedia(mesh, mesh_file, surface);
   return surface;
 }
 

@@ -103,7 +103,8 @@ struct Material {
   std::filesystem::path texture;  // instead; `simplify` takes it to the mesh's colours
   Reflection reflection;
   std::optional<Patch> patch = {};
-  // In place of diffuse reflection: what the object is inside. The albedo, 1 without one, is then a stain on its surface.
+  // In place of diffuse reflection: what the object is inside. The albedo, 1 without one, is then a stain on its surface, or what the medium reflects
+  // (ReflectanceSource).
   std::optional<Medium> medium = {};
 };
 
@@ -135,7 +136,7 @@ Material materialFromJson(const Json& json, const std::string& file, const std::
                           const FileResolver& files);
 
 // What readMaterials reads, file names as they are in the material. Of each material only the members
-// `parts`, of "name", "albedo" (with the texture), "reflection", "patch" and "medium"; all of them if it is empty.
+// `parts`, of "name", "albedo" (with the texture), "reflection", "patch" and "medium" (with the albedo where that is its reflectance); all of them if it is empty.
 Json toJson(const Materials& materials, const std::vector<std::string>& parts = {});
 
 // "none", "phong", "ggx", "table".
@@ -160,6 +161,8 @@ struct SurfaceMaterials {
   std::vector<std::uint32_t> of_triangle;             // into `reflections`; empty: all have the first
   Float3 albedo = kDefaultAlbedo;                     // where `vertex_albedo` is empty
   std::vector<Float3> vertex_albedo;                  // empty, or one a vertex
+  // Of each vertex, where some medium's reflectance is the albedo: that, 0–1, or what is beyond; 1 at other vertices. The albedos above are 1 there.
+  std::vector<Float3> medium_reflectance = {};
   bool replaces_colors = false;  // the mesh has colours, and a material's albedo instead of them
 
   // That of all triangles that there are; nothing if they differ.
@@ -167,8 +170,8 @@ struct SurfaceMaterials {
 };
 
 // Throws Error(kBadInput): naming `material_file` for a material of a name that no face has, or a texture
-// that the mesh has no colours of; naming `mesh_file` where a vertex belongs to faces of different albedo
-// (`simplify` gives each its own).
+// that the mesh has no colours of, or a medium whose reflectance is an albedo that there is none of; naming `mesh_file` where a vertex belongs to faces of different albedo
+// (`simplify` gives each its own), or such a medium's albedo is not finite.
 SurfaceMaterials materialsOn(const TriangleMesh& mesh, const Materials& materials,
                              const std::string& mesh_file, const std::string& material_file);
 

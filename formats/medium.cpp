@@ -82,6 +82,11 @@ Medium mediumFrom(const JsonReader& object) {
   object.read("unit_mm", medium.unit_mm, kUnit);
   object.read("model", medium.model, kDiffusionModels);
   if (const auto veins = object.find("veins")) medium.veins = veinsFrom(*veins);
+  object.read("reflectance", medium.reflectance, kReflectanceSources);
+  if (medium.veins && medium.reflectance == ReflectanceSource::kAlbedo)
+    throw object.at("reflectance")
+        .error("the albedo says what the medium is like at each place, and its \"veins\" say otherwise",
+               "either \"veins\", or \"reflectance\": \"albedo\"");
   object.refuseOthers();
   return medium;
 }
@@ -98,6 +103,8 @@ Json toJson(const Medium& medium) {
                      {"spacing", medium.veins->spacing},
                      {"width", medium.veins->width},
                      {"seed", medium.veins->seed}};
+  if (medium.reflectance != ReflectanceSource::kCoefficients)
+    json["reflectance"] = wordFor(kReflectanceSources, medium.reflectance);
   return json;
 }
 

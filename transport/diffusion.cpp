@@ -69,8 +69,8 @@ FresnelMoments fresnelMoments(double relative_ior) {
   const double critical = relative_ior < 1 ? std::sqrt(1 - relative_ior * relative_ior) : 0;
   FresnelMoments moments{critical * critical / 2, critical * critical * critical / 3};
   const double end = std::sqrt(1 - critical);
-  constexpr int kNodes = 128;
-  for (const QuadratureNode& node : gaussLegendreRule(kNodes)) {
+  static const std::vector<QuadratureNode> rule = gaussLegendreRule(128);
+  for (const QuadratureNode& node : rule) {
     const double x = end * (node.x + 1) / 2, cosine = critical + x * x;
     const double weight = end / 2 * node.weight * 2 * x * fresnelReflectance(cosine, relative_ior);
     moments.first += weight * cosine;
@@ -170,17 +170,32 @@ double DiffuseReflectance::frequencyResponse(double wavenumber) const {
 }
 
 double DiffuseReflectance::bandLimited(double distance, double spacing) const {
-  // ∫ R̂(k) W(k) J₀(kr) k dk / 2π, W falling as a raised cosine, whose own transform is nearly nothing at all grid points but 0.
+  const double sides = distance / spacing;
+  return BandLimit(std::span(&sides, 1))(*this, spacing).front() / (spacing * spacing);
+}
+
+// ∫ R̂(k) W(k) J₀(kr) k dk / 2π, W falling as a raised cosine, whose own transform is nearly nothing at all grid points but 0.
+BandLimit::BandLimit(std::span<const double> distances) {
   static const std::vector<QuadratureNode> rule = gaussLegendreRule(96);
-  const double nyquist = kPi / spacing;
-  double sum = 0;
-  for (const QuadratureNode& node : rule) {
-    const double k = 0.75 * nyquist * (node.x + 1), share = k / nyquist;
-    const double window = share < 0.5 ? 1 : (1 + std::cos(kPi * (share - 0.5))) / 2;
-    sum +=
-        0.75 * nyquist * node.weight * window * frequencyResponse(k) * std::cyl_bessel_j(0, k * distance) * k;
+  for (const QuadratureNode& node : rule) wavenumbers_.push_back(0.75 * kPi * (node.x + 1));
+  for (const double distance : distances)
+    for (std::size_t i = 0; i < rule.size(); ++i) {
+      const double k = wavenumbers_[i], share = k / kPi;
+      const double window = share < 0.5 ? 1 : (1 + std::cos(kPi * (share - 0.5))) / 2;
+      weights_.push_back(0.75 * kPi * rule[i].weight * window * std::cyl_bessel_j(0, k * distance) * k /
+                         (2 * kPi));
+    }
+}
+
+std::vector<double> BandLimit::operator()(const DiffuseReflectance& reflectance, double spacing) const {
+  std::vector<double> responses, values;
+  for (const double k : wavenumbers_) responses.push_back(reflectance.frequencyResponse(k / spacing));
+  for (std::size_t first = 0; first < weights_.size(); first += responses.size()) {
+    double sum = 0;
+    for (std::size_t i = 0; i < responses.size(); ++i) sum += weights_[first + i] * responses[i];
+    values.push_back(sum);
   }
-  return sum / (2 * kPi);
+  return values;
 }
 
 double DiffuseReflectance::radiusFor(double share) const {
@@ -199,6 +214,24 @@ double DiffuseReflectance::radiusFor(double share) const {
     (enclosed(middle) < target ? low : high) = middle;
   }
   return high;
+}
+
+ScatteringCoefficients coefficientsOfReflectance(DiffusionModel model, double reflectance, double extinction,
+                                                 double relative_ior) {
+  if (!(reflectance > 0)) throw std::invalid_argument("a medium that scatters reflects more than nothing");
+  // 1 − α′ is q²: the total falls off with q from q = 0 on.
+  const auto medium = [&](double q) {
+    return ScatteringCoefficients{extinction * (1 - q) * (1 + q), extinction * q * q, relative_ior};
+  };
+  double low = 0, high = 1;
+  if (reflectance >= 1 || DiffuseReflectance(model, medium(0)).total() <= reflectance) return medium(0);
+  constexpr int kSteps = 60;
+  for (int step = 0; step < kSteps; ++step) {
+    const double middle = (low + high) / 2;
+    if (middle == 1) break;
+    (DiffuseReflectance(model, medium(middle)).total() > reflectance ? low : high) = middle;
+  }
+  return medium(low);
 }
 
 }  // namespace bakelight::transport

@@ -3,6 +3,7 @@
 // Hanrahan 2001, "A Practical Model for Subsurface Light Transport"). One color at a time.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "formats/medium.h"
@@ -78,5 +79,22 @@ class DiffuseReflectance {
   };
   std::vector<Group> groups_;
 };
+
+// DiffuseReflectance::bandLimited at the same distances, in spacings, of many media: what does not depend on these once.
+class BandLimit {
+ public:
+  explicit BandLimit(std::span<const double> distances);
+  // Times the square of the spacing.
+  std::vector<double> operator()(const DiffuseReflectance& reflectance, double spacing) const;
+
+ private:
+  std::vector<double> wavenumbers_;  // times the spacing
+  std::vector<double> weights_;      // distances × wavenumbers
+};
+
+// The medium of that σt′ whose total() is `reflectance`: α′ by bisection ("albedo inversion"; total() rises with it from 0 to 1, whatever σt′ is). Of 1 and more
+// nothing is absorbed. Throws std::invalid_argument unless `reflectance` is above 0, and as DiffuseReflectance.
+ScatteringCoefficients coefficientsOfReflectance(DiffusionModel model, double reflectance, double extinction,
+                                                 double relative_ior);
 
 }  // namespace bakelight::transport

@@ -34,7 +34,7 @@ formats::EncodedTable plainKernels(const kernels::Texels& texels, const kernels:
         const Rgb value = texels.cells[source] *
                           reflectance.betweenTexels(
                               distance, texels.sides[receiver], band,
-                              reflectance.along(texels.positions[source], texels.positions[receiver]));
+                              reflectance.along(texels.point(source), texels.point(receiver)));
         for (int c = 0; c < 3; ++c) to[c] = value[c];
       }
   }
@@ -58,7 +58,7 @@ formats::EncodedTable plainFactors(const kernels::Knots& knots, const kernels::R
       const Rgb plain =
           other == k
               ? Rgb(Rgb::Zero())
-              : reflectance.exact(distance, reflectance.along(knots.positions[k], knots.positions[other]));
+              : reflectance.exact(distance, reflectance.along(knots.point(k), knots.point(other)));
       const Rgb more = plain - throughput.between(k, other);
       for (std::size_t c = 0; c < 3; ++c) values[3 * (first + i) + c] += more[static_cast<Eigen::Index>(c)];
     }

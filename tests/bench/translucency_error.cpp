@@ -40,7 +40,7 @@ struct Naive {
       if (i != j && irradiance[i] != 0)
         sum += irradiance[i] * static_cast<float>(knots.areas[i]) *
                reflectance.exact(static_cast<float>((knots.positions[i] - knots.positions[j]).norm()),
-                                 reflectance.along(knots.positions[i], knots.positions[j]));
+                                 reflectance.along(knots.point(i), knots.point(j)));
     return sum;
   }
   Rgb local(std::size_t receiver) const {
@@ -54,7 +54,7 @@ struct Naive {
         sum += light[source] * texels.cells[source] *
                reflectance.betweenTexels(
                    distance, texels.sides[receiver], reflectance.bandOf(texels.sides[receiver]),
-                   reflectance.along(texels.positions[source], texels.positions[receiver]));
+                   reflectance.along(texels.point(source), texels.point(receiver)));
       }
     return sum;
   }
@@ -95,7 +95,7 @@ TranslucencyErrors translucencyErrors(const kernels::Knots& knots, const kernels
       const float distance = (texels.positions[s] - texels.positions[texel]).norm();
       truth +=
           (power * reflectance.betweenTexels(distance, texels.sides[texel], band,
-                                             reflectance.along(texels.positions[s], texels.positions[texel])))
+                                             reflectance.along(texels.point(s), texels.point(texel))))
               .cast<double>();
     }
     Rgb apart = naive.local(texel);

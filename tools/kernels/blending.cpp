@@ -206,7 +206,7 @@ class Blender {
         const float distance = (texels_.positions[x] - texels_.positions[texel]).norm();
         const Rgb rest =
             reflectance_.betweenTexels(distance, texels_.sides[x], bands_[x],
-                                       reflectance_.along(texels_.positions[x], texels_.positions[texel])) -
+                                       reflectance_.along(texels_.point(x), texels_.point(texel))) -
             between(near, to_knots, x);
         const Eigen::Vector3d r = rest.matrix().cast<double>();
         normal += a * hat * hat.transpose();
@@ -254,13 +254,13 @@ class Blender {
   }
 
   // R_d less what is smooth over a radius, of texels around a place.
-  Rgb roughPart(const Vec3& place, std::span<const std::uint32_t> near, float radius) const {
+  Rgb roughPart(const Point& place, std::span<const std::uint32_t> near, float radius) const {
     Rgb sum = Rgb::Zero();
     for (const std::uint32_t n : near) {
       const std::uint32_t s = owned_[n];
-      const auto distance = static_cast<float>((places_[n] - place).norm());
+      const auto distance = static_cast<float>((places_[n] - place.position).norm());
       if (distance >= radius) continue;
-      const Place way = reflectance_.along(places_[n], place);
+      const Place way = reflectance_.along(texels_.point(s), place);
       sum += texels_.areas[s] * (reflectance_.betweenTexels(distance, texels_.sides[s], bands_[s], way) -
                                  reflectance_.smoothed(distance, radius, way));
     }
@@ -291,8 +291,8 @@ class Blender {
     tbb::parallel_for(std::size_t{0}, knots_.count(), [&](std::size_t k) {
       std::vector<std::uint32_t> near;
       index_->within(knots_.positions[k], static_cast<double>(exact_radius), near);
-      missing_[k] += roughPart(knots_.positions[k], near, exact_radius) -
-                     roughPart(knots_.positions[k], near, rough_radius_);
+      missing_[k] += roughPart(knots_.point(k), near, exact_radius) -
+                     roughPart(knots_.point(k), near, rough_radius_);
       missing_[k] -= response[k] + given[k];
     });
   }
@@ -344,7 +344,7 @@ class Blender {
         const Rgb value =
             texels_.cells[s] *
             reflectance_.betweenTexels(distance, texels_.sides[receiver], bands_[receiver],
-                                       reflectance_.along(texels_.positions[s], texels_.positions[receiver]));
+                                       reflectance_.along(texels_.point(s), texels_.point(receiver)));
         exact[static_cast<std::size_t>(i)] = value;
         exact_sum += value;
         Rgb by_weights = Rgb::Zero();
@@ -359,7 +359,7 @@ class Blender {
         missing -= left;
       }
     // What even light gets wrong goes to the kernel.
-    missing += roughPart(texels_.positions[receiver].cast<double>(), around, rough_radius_);
+    missing += roughPart(texels_.point(receiver), around, rough_radius_);
     for (std::size_t c = 0; c < 3; ++c) missing += w[static_cast<Eigen::Index>(c)] * missing_[corners[c]];
     for (int color = 0; color < 3; ++color) {
       if (!(exact_sum[color] > 0)) continue;

@@ -26,18 +26,56 @@ double meanThickness(const formats::TriangleMesh& mesh) {
   return thickness > kFlat * std::sqrt(area) ? thickness : 0;
 }
 
+namespace {
+
+// Of the mesh's colors, by area; of what no medium has, the nearest.
+std::array<double, 3> meanReflectance(const formats::TriangleMesh& mesh) {
+  std::array<double, 3> sums = {0, 0, 0};
+  double whole = 0;
+  for (const formats::Triangle& t : mesh.triangles) {
+    const transport::Vec3 a = transport::vec3(mesh.positions[t[0]]);
+    const double area = (transport::vec3(mesh.positions[t[1]]) - a)
+                            .cross(transport::vec3(mesh.positions[t[2]]) - a)
+                            .norm();
+    whole += area;
+    for (const std::uint32_t vertex : t)
+      for (std::size_t c = 0; c < 3; ++c)
+        sums[c] += area / 3 *
+                   static_cast<double>(std::clamp(mesh.colors[vertex][c],
+                                                  transport::MediumField::kLeastReflectance, 1.0F));
+  }
+  for (double& sum : sums) sum /= std::max(whole, 1e-300);
+  return sums;
+}
+
+// Without what varies: of the mean of that.
+std::array<transport::ScatteringCoefficients, 3> meanCoefficients(const formats::TriangleMesh& mesh,
+                                                                  const formats::Medium& medium) {
+  std::array<transport::ScatteringCoefficients, 3> colors;
+  for (std::size_t c = 0; c < 3; ++c) colors[c] = coefficientsOf(medium, c);
+  if (medium.reflectance != formats::ReflectanceSource::kAlbedo) return colors;
+  const std::array<double, 3> means = meanReflectance(mesh);
+  for (std::size_t c = 0; c < 3; ++c)
+    colors[c] =
+        transport::coefficientsOfReflectance(medium.model, std::max(means[c], 1e-6), colors[c].extinction(), medium.eta);
+  return colors;
+}
+
+}  // namespace
+
 formats::TranslucencyFallback fallbackOf(const formats::TriangleMesh& mesh, const formats::Medium& medium) {
   formats::TranslucencyFallback fallback;
-  const auto reflectance = reflectanceOf(medium);
+  const auto coefficients = meanCoefficients(mesh, medium);
   for (std::size_t c = 0; c < 3; ++c)
-    fallback.reflectance[c] = static_cast<float>(std::min(reflectance[c].total(), 1.0));
+    fallback.reflectance[c] = static_cast<float>(
+        std::min(transport::DiffuseReflectance(medium.model, coefficients[c]).total(), 1.0));
   const double thickness = meanThickness(mesh);
   if (thickness == 0) return fallback;
 
   std::array<transport::SlabTransmission, 3> slabs;
   double most = 0;
   for (std::size_t c = 0; c < 3; ++c) {
-    slabs[c] = transport::slabTransmission(coefficientsOf(medium, c), thickness);
+    slabs[c] = transport::slabTransmission(coefficients[c], thickness);
     most = std::max(most, slabs[c].unabsorbed);
   }
   fallback.thickness = static_cast<float>(thickness);

@@ -11,7 +11,7 @@ namespace bakelight::kernels {
 double meanThickness(const formats::TriangleMesh& mesh);
 
 // Reflectance of a half space of the medium, by its model of diffusion, and transmission through a layer of the mean thickness
-// (transport/slab.h). Where that is 0, nothing goes through.
+// (transport/slab.h). Where that is 0, nothing goes through. Where the mesh's colors are what the medium reflects, of the mean of them.
 formats::TranslucencyFallback fallbackOf(const formats::TriangleMesh& mesh, const formats::Medium& medium);
 
 }  // namespace bakelight::kernels

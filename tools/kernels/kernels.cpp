@@ -78,16 +78,17 @@ Made makeTranslucency(const formats::TriangleMesh& mesh, const std::filesystem::
   Figures& figures = made.figures;
 
   stage::Stopwatch watch(figures.seconds);
-  const Knots knots = knotsOf(mesh);
-  const Texels texels = texelsOf(maps, mesh, knots);
+  Knots knots = knotsOf(mesh);
+  Texels texels = texelsOf(maps, mesh, knots);
   const transport::MediumField field = [&] {
     try {
-      return transport::MediumField(medium, mesh.positions);
+      return transport::MediumField(medium, mesh);
     } catch (const std::invalid_argument& problem) {
       throw badInput({maps.string(), "", ""}, std::string("the medium of its mesh: ") + problem.what(), "",
-                     "wider veins, or none");
+                     medium.veins ? "wider veins, or none" : "");
     }
   }();
+  takeSurroundings(field, mesh, knots, texels);
   const auto [least, greatest] = std::minmax_element(texels.sides.begin(), texels.sides.end());
   const Reflectance reflectance(field, diagonalOf(knots) * 1.001, static_cast<double>(*least),
                                 static_cast<double>(*greatest));
@@ -158,6 +159,12 @@ Made makeTranslucency(const formats::TriangleMesh& mesh, const std::filesystem::
   figures.rank_deficient = blending.rank_deficient;
   figures.clamped = blending.clamped;
   figures.window_share = blending.window_share;
+  if (medium.reflectance == formats::ReflectanceSource::kAlbedo)
+    figures.clamped_reflectances = static_cast<std::size_t>(
+        std::count_if(mesh.colors.begin(), mesh.colors.end(), [](const formats::Float3& color) {
+          const auto [low, high] = std::minmax({color[0], color[1], color[2]});
+          return low < transport::MediumField::kLeastReflectance || high > 1;
+        }));
   figures.components = compressed.components;
   figures.kernel_error = compressed.error;
   return made;

@@ -24,6 +24,7 @@ struct Figures {
   double mean_free_path_texels = 0;  // of the color with the shortest
   double near_dropped_share = 0;
   std::size_t apart_pairs = 0, touching_knots = 0, rank_deficient = 0, clamped = 0;
+  std::size_t clamped_reflectances = 0;  // vertices whose color no medium reflects
   double window_share = 0;
   int components = 0;
   double kernel_error = 0;
@@ -35,7 +36,7 @@ struct Made {
   Figures figures;
 };
 
-// `mesh` and `maps` are those that atlas wrote, with a border of 4 texels at least. Throws Error(kBadInput) naming file and texel as texelsOf, and for more vertices
+// `mesh` and `maps` are those that atlas wrote, with a border of 4 texels at least; the mesh's colors are what the medium reflects, if that is the albedo. Throws Error(kBadInput) naming file and texel as texelsOf, and for more vertices
 // than factors have room for (some 200,000).
 Made makeTranslucency(const formats::TriangleMesh& mesh, const std::filesystem::path& maps,
                       const formats::Medium& medium, const Options& options, stage::ProgressStyle progress);

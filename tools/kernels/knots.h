@@ -8,15 +8,14 @@
 #include <vector>
 
 #include "formats/triangle_mesh.h"
-#include "transport/vector_types.h"
+#include "tools/kernels/point.h"
 
 namespace bakelight::kernels {
-
-using transport::Vec3;
 
 struct Knots {
   std::vector<std::uint32_t> of_vertex;  // of the mesh
   std::vector<Vec3> positions;           // in the asset's unit, as all lengths here
+  std::vector<Surroundings> surroundings;  // takeSurroundings: empty unless the field is of the surface
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<double> triangle_areas;
   std::vector<double> areas;    // a third of the triangles around each
@@ -31,6 +30,9 @@ struct Knots {
   std::vector<std::uint32_t> fan_ends, fans;
 
   std::size_t count() const { return positions.size(); }
+  Point point(std::size_t i) const {
+    return {positions[i], surroundings.empty() ? nullptr : &surroundings[i]};
+  }
   double meanSpacing() const;  // root mean square of `spacings`
   template <class List>
   static auto row(const List& list, const std::vector<std::uint32_t>& ends, std::size_t i) {

@@ -13,9 +13,9 @@ using namespace bakelight;
 
 namespace {
 
-// The one that all faces of the mesh are of.
-formats::Medium mediumOf(const formats::TriangleMesh& mesh, const std::string& mesh_file,
-                         const std::filesystem::path& material_file) {
+// The one that all faces of the mesh are of. The mesh's colors become what it reflects, where that is the albedo.
+formats::Medium takeMedium(formats::TriangleMesh& mesh, const std::string& mesh_file,
+                           const std::filesystem::path& material_file) {
   const std::string file = material_file.string();
   const formats::SurfaceMaterials surface =
       formats::materialsOn(mesh, formats::readMaterials(material_file), mesh_file, file);
@@ -30,6 +30,7 @@ formats::Medium mediumOf(const formats::TriangleMesh& mesh, const std::string& m
                      "it is of another medium than \"" + surface.names.front() + "\"", "one medium",
                      "bake parts of different media apart");
   }
+  mesh.colors = surface.medium_reflectance;
   return *surface.media.front();
 }
 
@@ -48,6 +49,7 @@ void report(const kernels::Made& made, stage::Run& run) {
   run.stat("touching_knots", f.touching_knots);
   run.stat("rank_deficient_texels", f.rank_deficient);
   run.stat("clamped_texels", f.clamped);
+  run.stat("clamped_reflectances", f.clamped_reflectances);
   run.stat("kernel_components", f.components);
   run.stat("kernel_error", f.kernel_error);
   run.stat("seconds", f.seconds);
@@ -67,6 +69,10 @@ void report(const kernels::Made& made, stage::Run& run) {
     run.warn(
         std::to_string(f.clamped) + " of " + std::to_string(f.texels) +
         " texels would have given their vertices more than twice what falls on them, and were held to that");
+  if (f.clamped_reflectances > 0)
+    run.warn(std::to_string(f.clamped_reflectances) +
+             " vertices have colors below " + std::to_string(transport::MediumField::kLeastReflectance) +
+             " or above 1, which are taken for these: no medium reflects nothing, or more than it gets");
   if (f.near_dropped_share > kMuch)
     run.warn("factors below the threshold are up to " + std::to_string(100 * f.near_dropped_share) +
              " % of what leaves a vertex, and were dropped: lower threshold");
@@ -94,8 +100,8 @@ int main(int argc, char** argv) {
       .parameter("hierarchical", options.factors.hierarchical,
                  "What goes far between fewer, farther points; else a factor between any two vertices");
   return tool.run(argc, argv, [&](stage::Run& run) {
-    const formats::TriangleMesh mesh = formats::readPly(mesh_path);
-    const formats::Medium medium = mediumOf(mesh, mesh_path.string(), material_path);
+    formats::TriangleMesh mesh = formats::readPly(mesh_path);
+    const formats::Medium medium = takeMedium(mesh, mesh_path.string(), material_path);
     const kernels::Made made =
         kernels::makeTranslucency(mesh, maps_path, medium, options, run.progressStyle());
     formats::PackPart part(made.translucency);

@@ -55,11 +55,12 @@ Reflectance::Reflectance(const transport::MediumField& field, double farthest, d
     : field_(field), farthest_(farthest), least_texel_(least_texel) {
   const auto media = field.reflectances();
   const double scale = least_texel / 4, least = scale / 64;
-  exact_ = RadialTable<Rgb>(scale, farthest, media.size(), [&](double r, std::size_t medium) {
+  const bool by_color = field.isOfSurface();
+  exact_ = RadialTable<Rgb>(scale, farthest, media.size(), by_color, [&](double r, std::size_t medium) {
     return eachColor(media[medium],
                      [&](const DiffuseReflectance& color) { return color(std::max(r, least)); });
   });
-  inner_ = RadialTable<Polynomial>(scale, farthest, media.size(), [&](double r, std::size_t medium) {
+  inner_ = RadialTable<Polynomial>(scale, farthest, media.size(), by_color, [&](double r, std::size_t medium) {
     Polynomial polynomial;
     for (Eigen::Index c = 0; c < 3; ++c) {
       const auto powers = smoothCoefficients(media[medium][static_cast<std::size_t>(c)], std::max(r, scale));
@@ -73,22 +74,26 @@ Reflectance::Reflectance(const transport::MediumField& field, double farthest, d
   const int count = std::clamp(static_cast<int>(std::ceil(range / std::log(kBandRatio))) + 1, 2, kMostBands);
   log_step_ = range > 0 ? range / (count - 1) : 1;
   bands_.resize(static_cast<std::size_t>(count));
+  std::vector<double> distances;
+  for (int i = 0; i < kBandNodes; ++i)
+    distances.push_back(static_cast<double>(kBandReach) * i / (kBandNodes - 1));
+  const transport::BandLimit limit(distances);
   tbb::parallel_for(std::size_t{0}, bands_.size(), [&](std::size_t b) {
     const double side = least_texel * std::exp(log_step_ * static_cast<double>(b));
-    for (int i = 0; i < kBandNodes; ++i) {
-      const double sides = static_cast<double>(kBandReach) * i / (kBandNodes - 1);
-      for (const auto& colors : media)
-        bands_[b].push_back(eachColor(colors, [&](const DiffuseReflectance& color) {
-          return side * side * color.bandLimited(sides * side, side);
-        }));
-    }
+    bands_[b].resize(kBandNodes * media.size());
+    for (std::size_t m = 0; m < media.size(); ++m)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::vector<double> values = limit(media[m][c], side);
+        for (std::size_t i = 0; i < kBandNodes; ++i)
+          bands_[b][i * media.size() + m][static_cast<Eigen::Index>(c)] = static_cast<float>(values[i]);
+      }
   });
 }
 
 float Reflectance::greatest(float distance) const {
   float most = 0;
   for (std::uint32_t m = 0; m < field_.reflectances().size(); ++m)
-    most = std::max(most, exact(distance, {m, 0}).maxCoeff());
+    most = std::max(most, exact(distance, Place::at(m)).maxCoeff());
   return most;
 }
 
@@ -103,8 +108,9 @@ Rgb Reflectance::betweenTexels(float distance, float side, std::uint32_t band, c
   const float node = sides / kBandReach * (kBandNodes - 1);
   const auto first = static_cast<std::size_t>(std::min(static_cast<int>(node), kBandNodes - 2));
   const std::size_t media = field_.reflectances().size();
-  const Rgb* from = &bands_[band][first * media + place.node];
-  return RadialTable<Rgb>::between(from, from + media, node - static_cast<float>(first), place) /
+  const Rgb* from = &bands_[band][first * media];
+  return RadialTable<Rgb>::between(from, from + media, node - static_cast<float>(first), place,
+                                   field_.isOfSurface()) /
          (side * side);
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "formats/medium.h"
+#include "tools/kernels/point.h"
 #include "transport/diffusion.h"
 #include "transport/medium_field.h"
 
@@ -20,7 +21,6 @@ namespace bakelight::kernels {
 
 using Rgb = Eigen::Array3f;  // red, green, blue
 
-using transport::Vec3;
 using Place = transport::MediumField::Place;
 
 // Of a medium without its veins, in the asset's unit of length: of one color, and of all.
@@ -34,9 +34,11 @@ class RadialTable {
   static constexpr int kNodes = 4096;
 
   RadialTable() = default;
+  // `by_color`: colors, which are rows of Value, have places of their own.
   template <class Function>  // Value(double distance, std::size_t medium); at the same time for several media
-  RadialTable(double scale, double farthest, std::size_t media, const Function& function)
-      : inverse_scale_(static_cast<float>(1 / scale)),
+  RadialTable(double scale, double farthest, std::size_t media, bool by_color, const Function& function)
+      : by_color_(by_color),
+        inverse_scale_(static_cast<float>(1 / scale)),
         nodes_per_log_(static_cast<float>((kNodes - 1) / std::log1p(farthest / scale))),
         media_(media),
         values_(kNodes * media) {
@@ -50,17 +52,33 @@ class RadialTable {
     const float at = std::log1p(distance * inverse_scale_) * nodes_per_log_;
     const int node = std::min(static_cast<int>(at), kNodes - 2);
     const float share = std::min(at - static_cast<float>(node), 1.0F);
-    const Value* from = &values_[static_cast<std::size_t>(node) * media_ + place.node];
-    return between(from, from + media_, share, place);
+    const Value* from = &values_[static_cast<std::size_t>(node) * media_];
+    return between(from, from + media_, share, place, by_color_);
   }
   // Of rows of media: by `share` of the second, and by the place among media.
-  static Value between(const Value* first, const Value* second, float share, const Place& place) {
+  static Value between(const Value* first, const Value* second, float share, const Place& place,
+                       bool by_color) {
+    if (by_color) return betweenByColor(first, second, share, place);
+    first += place.node[0], second += place.node[0];
     const Value value = first[0] + share * (second[0] - first[0]);
-    if (place.share == 0) return value;
-    return value + place.share * (first[1] + share * (second[1] - first[1]) - value);
+    if (place.share[0] == 0) return value;
+    return value + place.share[0] * (first[1] + share * (second[1] - first[1]) - value);
   }
 
  private:
+  static Value betweenByColor(const Value* first, const Value* second, float share, const Place& place) {
+    Value value;
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const auto color = static_cast<std::size_t>(c);
+      const Value *a = first + place.node[color], *b = second + place.node[color];
+      const float of_second = place.share[color];
+      value.row(c) = (1 - of_second) * ((1 - share) * a[0].row(c) + share * b[0].row(c)) +
+                     of_second * ((1 - share) * a[1].row(c) + share * b[1].row(c));
+    }
+    return value;
+  }
+
+  bool by_color_ = false;
   float inverse_scale_ = 1, nodes_per_log_ = 1;
   std::size_t media_ = 1;
   std::vector<Value> values_;
@@ -73,9 +91,10 @@ class Reflectance {
               double greatest_texel);
 
   // What is asked for between two points needs the way's.
-  Place along(const Vec3& from, const Vec3& to) const { return field_.along(from, to); }
-  Place along(const Eigen::Vector3f& from, const Eigen::Vector3f& to) const {
-    return field_.isUniform() ? Place() : field_.along(from.cast<double>(), to.cast<double>());
+  Place along(const Point& from, const Point& to) const {
+    if (field_.isUniform()) return {};
+    if (!field_.isOfSurface()) return field_.along(from.position, to.position);
+    return field_.along(*from.around, *to.around, (from.position - to.position).norm());
   }
   bool isUniform() const { return field_.isUniform(); }
 

@@ -1,5 +1,7 @@
 #include "tools/kernels/texels.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -200,6 +202,35 @@ Texels texelsOf(const std::filesystem::path& maps, const formats::TriangleMesh& 
     }
   }
   return texels;
+}
+
+void takeSurroundings(const transport::MediumField& field, const formats::TriangleMesh& mesh, Knots& knots,
+                      Texels& texels) {
+  if (!field.isOfSurface()) return;
+  const auto colorOf = [&](std::size_t vertex) {
+    return Eigen::Map<const Eigen::Array3f>(mesh.colors[vertex].data());
+  };
+  const auto around = [&](const Vec3& position, const Eigen::Array3f& color) {
+    return field.surroundings(position, {color[0], color[1], color[2]});
+  };
+  // Of vertices at the same place the mean.
+  std::vector<Eigen::Array4f> sums(knots.count(), Eigen::Array4f::Zero());
+  for (std::size_t v = 0; v < mesh.vertexCount(); ++v) {
+    sums[knots.of_vertex[v]].head<3>() += colorOf(v);
+    sums[knots.of_vertex[v]][3] += 1;
+  }
+  knots.surroundings.resize(knots.count());
+  tbb::parallel_for(std::size_t{0}, knots.count(), [&](std::size_t k) {
+    knots.surroundings[k] = around(knots.positions[k], sums[k].head<3>() / sums[k][3]);
+  });
+  texels.surroundings.resize(texels.count());
+  tbb::parallel_for(std::size_t{0}, texels.count(), [&](std::size_t i) {
+    Eigen::Array3f color = Eigen::Array3f::Zero();
+    for (std::size_t k = 0; k < 3; ++k)
+      color += texels.weights[i][static_cast<Eigen::Index>(k)] *
+               colorOf(mesh.triangles[texels.triangles[i]][k]);
+    texels.surroundings[i] = around(texels.positions[i].cast<double>(), color);
+  });
 }
 
 }  // namespace bakelight::kernels

@@ -95,12 +95,12 @@ bool Throughput::isFollowed(double radius, double cell) const {
     const PointIndex index(knots_.positions);
     std::vector<std::uint32_t> within;
     for (std::size_t k = 0; k < kFewWays; ++k) {
-      const Vec3& from = knots_.positions[k * knots_.count() / kFewWays];
-      index.within(from, radius, within);
+      const Point from = knots_.point(k * knots_.count() / kFewWays);
+      index.within(from.position, radius, within);
       std::size_t seen = 0;
       for (const std::uint32_t other : within)
-        if ((knots_.positions[other] - from).norm() > 0.8 * radius && seen++ % 8 == 0)
-          look(reflectance_.along(from, knots_.positions[other]));
+        if ((knots_.positions[other] - from.position).norm() > 0.8 * radius && seen++ % 8 == 0)
+          look(reflectance_.along(from, knots_.point(other)));
     }
   }
   return (beyond >= kLeastFall * at).all();
@@ -136,9 +136,9 @@ void Throughput::chooseFarKnots() {
         std::min_element(members.begin(), members.end(), [&](std::uint32_t a, std::uint32_t b) {
           return (knots_.positions[a] - middle).squaredNorm() < (knots_.positions[b] - middle).squaredNorm();
         });
-    far_positions_.push_back(knots_.positions[*nearest]);
+    far_points_.push_back(knots_.point(*nearest));
   }
-  requireRoom(std::uint64_t{far_positions_.size()} * far_positions_.size());
+  requireRoom(std::uint64_t{far_points_.size()} * far_points_.size());
 }
 
 // R_d between two hats, which are three corners' thirds of their triangles: by the middle of each.
@@ -149,9 +149,15 @@ Rgb Throughput::apart(std::size_t a, std::size_t b) const {
     for (const std::uint32_t t : knots_.fan(to)) {
       Vec3 middle = knots_.positions[to] / 4;
       for (const std::uint32_t k : knots_.triangles[t]) middle += knots_.positions[k] / 4;
+      Surroundings around;
+      for (std::size_t scale = 0; scale < around.size() && !knots_.surroundings.empty(); ++scale) {
+        around[scale] = knots_.surroundings[to][scale] / 4;
+        for (const std::uint32_t k : knots_.triangles[t])
+          around[scale] += knots_.surroundings[k][scale] / 4;
+      }
       sum += static_cast<float>(knots_.triangle_areas[t]) *
              reflectance_.exact(static_cast<float>((middle - knots_.positions[from]).norm()),
-                                reflectance_.along(middle, knots_.positions[from]));
+                                reflectance_.along({middle, &around}, knots_.point(from)));
       area += knots_.triangle_areas[t];
     }
     return area > 0 ? Rgb(sum / static_cast<float>(area)) : Rgb(Rgb::Zero());
@@ -246,12 +252,14 @@ void Throughput::makeNear() {
 
 // Moving least squares: weights of far knots around a knot that reproduce quadratic functions of space, those nearby more.
 void Throughput::makeSpread() {
-  const PointIndex index(far_positions_);
+  std::vector<Vec3> far_positions;
+  for (const Point& point : far_points_) far_positions.push_back(point.position);
+  const PointIndex index(far_positions);
   Rows rows(knots_.count());
   tbb::parallel_for(std::size_t{0}, knots_.count(), [&](std::size_t i) {
     std::vector<std::uint32_t> near;
     index.nearest(knots_.positions[i], kFarNeighbors, near);
-    const double scale = std::max((far_positions_[near.back()] - knots_.positions[i]).norm(), 1e-300);
+    const double scale = std::max((far_positions[near.back()] - knots_.positions[i]).norm(), 1e-300);
     const auto n = static_cast<Eigen::Index>(near.size());
     Eigen::VectorXd weights;
     for (const int terms : {10, 4, 1}) {
@@ -259,7 +267,7 @@ void Throughput::makeSpread() {
       Eigen::MatrixXd p(terms, n);
       Eigen::VectorXd root(n);
       for (Eigen::Index k = 0; k < n; ++k) {
-        const Vec3 d = (far_positions_[near[static_cast<std::size_t>(k)]] - knots_.positions[i]) / scale;
+        const Vec3 d = (far_positions[near[static_cast<std::size_t>(k)]] - knots_.positions[i]) / scale;
         root[k] = std::exp(-3 * d.squaredNorm());
         const double all[10] = {1,
                                 d.x(),
@@ -291,12 +299,12 @@ void Throughput::makeSpread() {
 }
 
 void Throughput::makeFar() {
-  Rows rows(far_positions_.size());
-  tbb::parallel_for(std::size_t{0}, far_positions_.size(), [&](std::size_t a) {
-    for (std::size_t b = 0; b < far_positions_.size(); ++b) {
-      const Vec3 &from = far_positions_[a], &to = far_positions_[b];
+  Rows rows(far_points_.size());
+  tbb::parallel_for(std::size_t{0}, far_points_.size(), [&](std::size_t a) {
+    for (std::size_t b = 0; b < far_points_.size(); ++b) {
+      const Point &from = far_points_[a], &to = far_points_[b];
       rows.columns[a].push_back(static_cast<std::uint32_t>(b));
-      push(rows.values[a], reflectance_.smoothed(static_cast<float>((from - to).norm()), outer_smoothing_,
+      push(rows.values[a], reflectance_.smoothed(static_cast<float>((from.position - to.position).norm()), outer_smoothing_,
                                                  reflectance_.along(from, to)));
     }
   });
@@ -343,7 +351,7 @@ std::vector<Rgb> Throughput::respondSmoothly(const std::vector<Rgb>& power, floa
     for (const std::uint32_t j : near) {
       const Vec3 &to = knots_.positions[i], &from = knots_.positions[j];
       const auto distance = static_cast<float>((to - from).norm());
-      response[i] += power[j] * (reflectance_.smoothed(distance, radius, reflectance_.along(to, from)) -
+      response[i] += power[j] * (reflectance_.smoothed(distance, radius, reflectance_.along(knots_.point(i), knots_.point(j))) -
                                  givenByFar(by_way_of_far, j, distance));
     }
   });

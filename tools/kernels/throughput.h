@@ -45,7 +45,7 @@ class Throughput {
   Rgb between(std::size_t a, std::size_t b) const {
     const Vec3 &from = knots_.positions[a], &to = knots_.positions[b];
     return reflectance_.smoothed(static_cast<float>((from - to).norm()), (smoothing_[a] + smoothing_[b]) / 2,
-                                 reflectance_.along(from, to));
+                                 reflectance_.along(knots_.point(a), knots_.point(b)));
   }
   // Σ over knots of sharpened factors, hats and all: what g is for these e (formats/translucency.h), areas in the asset's unit.
   std::vector<Rgb> respond(const std::vector<Rgb>& power) const;
@@ -80,7 +80,7 @@ class Throughput {
   std::vector<float> smoothing_;
   float outer_smoothing_ = 0;
   bool has_far_ = false;
-  std::vector<Vec3> far_positions_;
+  std::vector<Point> far_points_;  // of `knots`
   Matrix near_, spread_, far_;
   Figures figures_;
 };

@@ -127,7 +127,7 @@ Rgb PathTracer::emittedTowards(const ShadingPoint& point, const Bsdf::Sample& sa
 Rgb PathTracer::lightFromBelow(Vertex& vertex, const Subsurface& inside, const Vec3& towards_eye,
                                std::uint64_t& rays) const {
   const ShadingPoint exit = vertex.point;
-  const auto entry = inside.sample(exit.position, exit.normal, vertex.single(kEntryChoice),
+  const auto entry = inside.sample(exit.position, exit.reflectance, exit.normal, vertex.single(kEntryChoice),
                                    vertex.pair(kEntryPoint), vertex.single(kEntryPick), rays);
   if (!entry) return Rgb::Zero();
   vertex.point = scene_.pointAt(entry->place);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <type_traits>
 
 #include "formats/error.h"
 #include "transport/frame.h"
@@ -15,8 +16,8 @@ using formats::TriangleMesh;
 using transport::Float3;
 using transport::vec3;
 
-// The mesh, turned about the middle of `bounds`.
-TriangleMesh meshInWorld(const TriangleMesh& object, const formats::FrameSettings& frame,
+// The mesh, turned about the middle of `bounds`; its colors are what media reflect, where that is the albedo.
+TriangleMesh meshInWorld(const TriangleMesh& object, const std::vector<Float3>& reflectance, const formats::FrameSettings& frame,
                          const transport::BoundingSphere& bounds) {
   if (object.triangleCount() == 0)
     throw badInput({"", "mesh", ""}, "the mesh has no triangles", "a mesh to look at");
@@ -28,6 +29,7 @@ TriangleMesh meshInWorld(const TriangleMesh& object, const formats::FrameSetting
   mesh.normals = object.normals;
   mesh.texcoords = object.texcoords;
   mesh.triangles = object.triangles;
+  mesh.colors = reflectance;
   const Eigen::Matrix3d world_from_object = transport::worldFromObject(frame);
   if (world_from_object.isIdentity(0)) return mesh;
   transport::turnAbout(bounds.center, world_from_object, mesh.positions);
@@ -96,6 +98,12 @@ std::vector<std::unique_ptr<const Transport>> transportIn(const Surface& surface
     for (const std::uint32_t material : of_triangle) of_medium.push_back(material == i ? 1 : 0);
     // A name that no face has any more.
     if (!of_medium.empty() && std::find(of_medium.begin(), of_medium.end(), 1) == of_medium.end()) continue;
+    if (std::is_same_v<Transport, RandomWalk> &&
+        medium->reflectance == formats::ReflectanceSource::kAlbedo)
+      throw badInput({"", surface.material.names[i], "/medium/reflectance"},
+                     "the albedo says what the surface reflects, and nothing about the medium inside, through "
+                     "which random walks go",
+                     "\"coefficients\"", "trace it by diffusion: --translucency diffusion");
     try {
       of_materials.back() =
           std::make_unique<Transport>(*medium, mesh, std::move(of_medium), rays, object_from_world);
@@ -114,7 +122,7 @@ Scene::Scene(const Surface& surface, const formats::LightRig& rig, const formats
 
 Scene::Scene(const Surface& surface, const formats::LightRig& rig, const formats::FrameSettings& frame,
              const transport::BoundingSphere& bounds, const transport::EmitterMesh& emitters)
-    : mesh_(meshInWorld(surface.mesh, frame, bounds)),
+    : mesh_(meshInWorld(surface.mesh, surface.material.medium_reflectance, frame, bounds)),
       vertex_origins_(frontOrigins(mesh_, surface.bias)),
       albedo_(vec3(surface.material.albedo)),
       vertex_albedo_(surface.material.vertex_albedo),
@@ -152,6 +160,11 @@ ShadingPoint Scene::pointAt(const transport::Hit& hit) const {
   Rgb albedo = vertex_albedo_.empty() ? albedo_ : Rgb::Zero();
   if (!vertex_albedo_.empty())
     for (std::size_t i = 0; i < 3; ++i) albedo += weights[i] * albedoOf(corners[i]);
+  Rgb reflectance = Rgb::Ones();
+  if (!mesh_.colors.empty()) {
+    reflectance.setZero();
+    for (std::size_t i = 0; i < 3; ++i) reflectance += weights[i] * vec3(mesh_.colors[corners[i]]).array();
+  }
   const std::uint32_t material = material_of_triangle_.empty() ? 0 : material_of_triangle_[hit.triangle];
   if (!textures_.empty()) {
     formats::Float2 place = {0, 0};
@@ -168,15 +181,18 @@ ShadingPoint Scene::pointAt(const transport::Hit& hit) const {
           material,
           point.position,
           hit.triangle,
-          hit.back_face};
+          hit.back_face,
+          reflectance};
 }
 
 ShadingPoint Scene::pointAtVertex(std::uint32_t vertex) const {
   const std::uint32_t material = material_of_vertex_.empty() ? 0 : material_of_vertex_[vertex];
   Rgb albedo = albedoOf(vertex);
   if (!textures_.empty()) albedo *= textureAt(material, mesh_.texcoords[vertex]);
-  return {vec3(vertex_origins_[vertex]), vec3(mesh_.normals[vertex]).normalized(), albedo, material,
-          vec3(mesh_.positions[vertex])};
+  ShadingPoint point = {vec3(vertex_origins_[vertex]), vec3(mesh_.normals[vertex]).normalized(), albedo,
+                        material, vec3(mesh_.positions[vertex])};
+  if (!mesh_.colors.empty()) point.reflectance = vec3(mesh_.colors[vertex]).array();
+  return point;
 }
 
 }  // namespace bakelight::reference

@@ -34,6 +34,7 @@ struct ShadingPoint {
   Vec3 position = Vec3::Zero();                      // on the surface
   std::uint32_t triangle = RandomWalk::kNoTriangle;  // that it lies in; none at a vertex
   bool back_face = false;                            // the triangle's clockwise side is seen
+  Rgb reflectance = Rgb::Ones();                     // of the medium, where that is the albedo
 };
 
 // How light that enters a medium comes out again.
@@ -65,7 +66,7 @@ class Scene {
   Scene(const Surface& surface, const formats::LightRig& rig, const formats::FrameSettings& frame,
         const transport::BoundingSphere& bounds);
 
-  const formats::TriangleMesh& mesh() const { return mesh_; }  // in the world
+  const formats::TriangleMesh& mesh() const { return mesh_; }  // in the world; colors as Subsurface takes them
   // The same and the emitters after it: positions and triangles that rays meet.
   const formats::TriangleMesh& rayMesh() const { return ray_mesh_; }
   const Glossy& material(std::uint32_t number) const { return materials_[number]; }

@@ -19,6 +19,16 @@ constexpr std::array<double, 3> kAxisShares = {0.25, 0.25, 0.5};  // tangents, n
 constexpr int kShares = 1024;
 constexpr double kOutside = 1e-3;  // share of R_d that is left to the samples by area
 
+// What is of the medium; vertices are all there.
+formats::TriangleMesh partOf(const formats::TriangleMesh& mesh, const std::vector<std::uint8_t>& of_medium) {
+  formats::TriangleMesh part;
+  part.positions = mesh.positions;
+  part.colors = mesh.colors;
+  for (std::size_t t = 0; t < mesh.triangleCount(); ++t)
+    if (of_medium.empty() || of_medium[t] != 0) part.triangles.push_back(mesh.triangles[t]);
+  return part;
+}
+
 }  // namespace
 
 // The density of what radiusOf draws, exactly: within a share radii are drawn evenly.
@@ -41,7 +51,7 @@ Subsurface::Subsurface(const formats::Medium& medium, const formats::TriangleMes
     : mesh_(mesh),
       rays_(rays),
       of_medium_(std::move(of_medium)),
-      field_(medium, mesh.positions, object_from_mesh),
+      field_(medium, partOf(mesh, of_medium_), object_from_mesh),
       relative_ior_(medium.eta),
       extent_(2 * transport::boundingSphere(mesh).radius) {
   const auto add = [&](const transport::DiffuseReflectance& reflectance) {
@@ -74,19 +84,34 @@ Subsurface::Subsurface(const formats::Medium& medium, const formats::TriangleMes
   }
 }
 
-Rgb Subsurface::reflectance(const Vec3& from, const Vec3& to) const {
+Rgb Subsurface::reflectance(const Place& from, const Place& to) const {
   // A distance of rounding is none that normalized diffusion could be asked at.
-  const double least = extent_ * 1e-9, distance = std::max((to - from).norm(), least);
-  const transport::MediumField::Place way = field_.along(from, to);
+  const double least = extent_ * 1e-9, distance = std::max((to.position - from.position).norm(), least);
+  const transport::MediumField::Place way = field_.isOfSurface()
+                                                ? field_.along(from.around, to.around, distance)
+                                                : field_.along(from.position, to.position);
   return {field_.reflectance(0, distance, way), field_.reflectance(1, distance, way),
           field_.reflectance(2, distance, way)};
 }
 
-Vec3 Subsurface::positionOf(const Hit& hit) const {
+Subsurface::Place Subsurface::placeAt(const Vec3& position, const Rgb& color) const {
+  Place place{position, {}};
+  if (field_.isOfSurface())
+    place.around = field_.surroundings(
+        position,
+        {static_cast<float>(color[0]), static_cast<float>(color[1]), static_cast<float>(color[2])});
+  return place;
+}
+
+Subsurface::Place Subsurface::placeOf(const Hit& hit) const {
   const formats::Triangle& corners = mesh_.triangles[hit.triangle];
   const double u = hit.u, v = hit.v;
-  return (1 - u - v) * vec3(mesh_.positions[corners[0]]) + u * vec3(mesh_.positions[corners[1]]) +
-         v * vec3(mesh_.positions[corners[2]]);
+  const auto between = [&](const std::vector<formats::Float3>& values) -> Vec3 {
+    return (1 - u - v) * vec3(values[corners[0]]) + u * vec3(values[corners[1]]) +
+           v * vec3(values[corners[2]]);
+  };
+  return placeAt(between(mesh_.positions),
+                 mesh_.colors.empty() ? Rgb(Rgb::Ones()) : Rgb(between(mesh_.colors).array()));
 }
 
 Vec3 Subsurface::normalOf(std::uint32_t triangle) const {
@@ -111,7 +136,7 @@ double Subsurface::density(const Vec3& from, const Eigen::Matrix3d& axes, const 
   return sum;
 }
 
-std::optional<Subsurface::Entry> Subsurface::alongLine(const Vec3& position, const Eigen::Matrix3d& axes,
+std::optional<Subsurface::Entry> Subsurface::alongLine(const Place& exit, const Eigen::Matrix3d& axes,
                                                        int axis, const Vec3& origin, double pick,
                                                        std::uint64_t& rays) const {
   const Vec3 along = axes.col(axis), start = origin + extent_ * along;
@@ -127,8 +152,9 @@ std::optional<Subsurface::Entry> Subsurface::alongLine(const Vec3& position, con
     from = hit.distance + step;
     if (hit.triangle >= mesh_.triangleCount() || (!of_medium_.empty() && of_medium_[hit.triangle] == 0))
       continue;
-    const Vec3 place = positionOf(hit);
-    const Rgb weight = reflectance(position, place) / density(position, axes, place, normalOf(hit.triangle));
+    const Place place = placeOf(hit);
+    const Rgb weight =
+        reflectance(exit, place) / density(exit.position, axes, place.position, normalOf(hit.triangle));
     const double power = weight.sum();
     if (!(power > 0)) continue;  // too far for any number
     total += power;
@@ -147,9 +173,10 @@ std::optional<Subsurface::Entry> Subsurface::alongLine(const Vec3& position, con
   return chosen;
 }
 
-std::optional<Subsurface::Entry> Subsurface::sample(const Vec3& position, const Vec3& normal, double choice,
-                                                    const std::array<double, 2>& point, double pick,
+std::optional<Subsurface::Entry> Subsurface::sample(const Vec3& position, const Rgb& color, const Vec3& normal,
+                                                    double choice, const std::array<double, 2>& point, double pick,
                                                     std::uint64_t& rays) const {
+  const Place exit = placeAt(position, color);
   Eigen::Matrix3d axes;
   axes.col(0) = normal.unitOrthogonal();
   axes.col(1) = normal.cross(axes.col(0));
@@ -163,8 +190,9 @@ std::optional<Subsurface::Entry> Subsurface::sample(const Vec3& position, const 
     const double root = std::sqrt(point[0]);
     hit.u = static_cast<float>(root * (1 - point[1]));
     hit.v = static_cast<float>(root * point[1]);
-    const Vec3 place = positionOf(hit);
-    return Entry{hit, reflectance(position, place) / density(position, axes, place, normalOf(hit.triangle))};
+    const Place place = placeOf(hit);
+    return Entry{hit, reflectance(exit, place) /
+                          density(position, axes, place.position, normalOf(hit.triangle))};
   }
   choice = (choice - kAreaShare) / (1 - kAreaShare);
   int axis = 0;
@@ -175,7 +203,7 @@ std::optional<Subsurface::Entry> Subsurface::sample(const Vec3& position, const 
                               profiles_.size() - 1);
   const double radius = profiles_[drawn].radiusOf(point[0]), turn = 2 * kPi * point[1];
   const Vec3 across = axes.col((axis + 1) % 3), up = axes.col((axis + 2) % 3);
-  return alongLine(position, axes, axis, position + radius * (std::cos(turn) * across + std::sin(turn) * up),
+  return alongLine(exit, axes, axis, position + radius * (std::cos(turn) * across + std::sin(turn) * up),
                    pick, rays);
 }
 

@@ -38,7 +38,7 @@ TEST(Throughput, FarKnotsGiveWhatPairsGive) {
   const Knots knots = knotsOf(tests::icosphere(4, 10));
   formats::Medium medium = tests::mediumOf(0.8, 0.999);
   medium.absorption = {1e-3F, 2e-3F, 5e-3F};
-  const transport::MediumField field(medium, {});
+  const transport::MediumField field(medium, formats::TriangleMesh());
   const Reflectance reflectance(field, 21, 0.1, 0.1);
   const Throughput pairs(knots, reflectance, {.threshold = 0, .hierarchical = false});
   const Throughput far(knots, reflectance, {.threshold = 0});
@@ -59,7 +59,7 @@ TEST(Throughput, FarKnotsGiveWhatPairsGive) {
 
 TEST(Throughput, DroppedFactorsAreTold) {
   const Knots knots = knotsOf(tests::icosphere(4, 10));
-  const transport::MediumField field(tests::mediumOf(0.8), {});
+  const transport::MediumField field(tests::mediumOf(0.8), formats::TriangleMesh());
   const Reflectance reflectance(field, 21, 0.1, 0.1);
   const Throughput all(knots, reflectance, {.threshold = 0, .hierarchical = false});
   const Throughput few(knots, reflectance, {.threshold = 1e-4, .hierarchical = false});

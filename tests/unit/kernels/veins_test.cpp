@@ -56,7 +56,7 @@ double errorOf(const Plate& plate, const formats::Translucency& translucency, co
       truth += texels.areas[s] *
                reflectance.betweenTexels((texels.positions[s] - texels.positions[texel]).norm(),
                                          texels.sides[texel], reflectance.bandOf(texels.sides[texel]),
-                                         reflectance.along(texels.positions[s], texels.positions[texel]));
+                                         reflectance.along(texels.point(s), texels.point(texel)));
     }
     difference += static_cast<double>((Rgb(found[r][0], found[r][1], found[r][2]) - truth).square().sum());
     squares += static_cast<double>(truth.square().sum());

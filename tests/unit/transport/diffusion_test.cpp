@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <cmath>
 #include <limits>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -152,6 +153,26 @@ TEST(Diffusion, ARadiusEnclosesAllButAShare) {
   }
   const DiffuseReflectance white(DiffusionModel::kDipole, {1, 0, 1});
   EXPECT_GT(white.radiusFor(1e-5), 1e4);
+}
+
+TEST(Diffusion, CoefficientsOfAReflectanceHaveIt) {
+  for (const auto model :
+       {DiffusionModel::kDipole, DiffusionModel::kBetterDipole, DiffusionModel::kNormalizedDiffusion})
+    for (const double eta : {1.0, 1.3, 1.8}) {
+      double before = 0;
+      for (const double reflectance : {1e-3, 0.01, 0.2, 0.5, 0.83, 0.99, 1 - 1e-6}) {
+        const ScatteringCoefficients c = coefficientsOfReflectance(model, reflectance, 3.5, eta);
+        EXPECT_NEAR(c.extinction(), 3.5, 1e-12);
+        EXPECT_NEAR(DiffuseReflectance(model, c).total() / reflectance, 1, 1e-9) << reflectance;
+        EXPECT_GT(c.albedo(), before);
+        before = c.albedo();
+      }
+      EXPECT_EQ(coefficientsOfReflectance(model, 1, 3.5, eta).absorption, 0);
+      EXPECT_EQ(coefficientsOfReflectance(model, 1.5, 3.5, eta).absorption, 0);
+    }
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double none : {0.0, -1.0, nan})
+    EXPECT_THROW(coefficientsOfReflectance(DiffusionModel::kDipole, none, 1, 1.3), std::invalid_argument);
 }
 
 TEST(Diffusion, RefusesWhatIsNoMedium) {

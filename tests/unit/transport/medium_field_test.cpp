@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 #include <stdexcept>
@@ -72,9 +73,9 @@ TEST(MediumField, WaysHaveWhatLiesAlongThem) {
   double products = 0, tube_squares = 0, line_squares = 0, both = 0, lines = 0;
   constexpr int kWays = 400, kPoints = 200;
   const auto shareOf = [&](const MediumField::Place& way) {  // nodes are squares
-    const double low = way.node / (MediumField::kNodes - 1.0),
-                 high = (way.node + 1) / (MediumField::kNodes - 1.0);
-    return low * low + static_cast<double>(way.share) * (high * high - low * low);
+    const double low = way.node[0] / (MediumField::kNodes - 1.0),
+                 high = (way.node[0] + 1) / (MediumField::kNodes - 1.0);
+    return low * low + static_cast<double>(way.share[0]) * (high * high - low * low);
   };
   for (int i = 0; i < kWays; ++i) {
     const Vec3 from(place(random), place(random), place(random));
@@ -121,6 +122,138 @@ TEST(MediumField, TurnsWithItsObject) {
 TEST(MediumField, ThinnerVeinsThanCellsAreRefused) {
   EXPECT_NO_THROW(MediumField(veined(0.5, 0.1), kBox));
   EXPECT_THROW(MediumField(veined(0.5, 0.002), kBox), std::invalid_argument);
+}
+
+// A square of 2 × 2 in the plane z = 0, of some colors along x.
+struct Colored {
+  formats::TriangleMesh mesh;
+  explicit Colored(const std::vector<Float3>& columns) {
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      for (const float y : {-1.0F, 1.0F}) {
+        mesh.positions.push_back(
+            {2 * static_cast<float>(i) / static_cast<float>(columns.size() - 1) - 1, y, 0});
+        mesh.colors.push_back(columns[i]);
+      }
+    for (std::uint32_t i = 0; i + 2 < mesh.vertexCount(); i += 2) {
+      mesh.triangles.push_back({i, i + 2, i + 3});
+      mesh.triangles.push_back({i, i + 3, i + 1});
+    }
+  }
+};
+
+formats::Medium ofAlbedo(formats::DiffusionModel model = formats::DiffusionModel::kDipole) {
+  formats::Medium medium;
+  medium.reduced_scattering = {20, 30, 40};
+  medium.absorption = {0, 1, 2};
+  medium.reflectance = formats::ReflectanceSource::kAlbedo;
+  medium.model = model;
+  return medium;
+}
+
+TEST(FieldOfAlbedo, OneColorIsTheUniformMedium) {
+  const Colored square({{0.3F, 0.5F, 0.9F}, {0.3F, 0.5F, 0.9F}});
+  const MediumField field(ofAlbedo(), square.mesh);
+  EXPECT_TRUE(field.isUniform());
+  EXPECT_FALSE(field.isOfSurface());
+  for (std::size_t c = 0; c < 3; ++c) {
+    const ScatteringCoefficients own =
+        coefficientsOfReflectance(formats::DiffusionModel::kDipole,
+                                  static_cast<double>(square.mesh.colors[0][c]),
+                                  field.coefficients(c, 0).extinction(), 1.3);
+    const DiffuseReflectance expected(formats::DiffusionModel::kDipole, own);
+    EXPECT_EQ(field.reflectance(c, 0.3, {}), expected(0.3));
+    EXPECT_NEAR(expected.total(), static_cast<double>(square.mesh.colors[0][c]), 1e-9);
+  }
+}
+
+// R_d between nodes, against the medium that is meant.
+TEST(FieldOfAlbedo, InterpolatesReflectances) {
+  for (const auto model : {formats::DiffusionModel::kDipole, formats::DiffusionModel::kBetterDipole,
+                           formats::DiffusionModel::kNormalizedDiffusion}) {
+    const Colored square({{0, 0, 0}, {1, 1, 1}});
+    const MediumField field(ofAlbedo(model), square.mesh);
+    ASSERT_TRUE(field.isOfSurface());
+    EXPECT_EQ(field.reflectances().size(), MediumField::kReflectanceNodes);
+    double worst = 0;
+    for (double reflectance = 0.002; reflectance < 1; reflectance += 0.0137) {
+      MediumField::Surroundings here;
+      here.fill(Eigen::Array3f::Constant(static_cast<float>(reflectance)));
+      const MediumField::Place place = field.along(here, here, 0.1);
+      const DiffuseReflectance exact(
+          model, coefficientsOfReflectance(model, reflectance, field.coefficients(0, 0).extinction(), 1.3));
+      double error = 0, total = 0, before = 0;
+      for (double r = 1e-4; r < 100; r *= 1.02) {  // rings
+        const double area = std::numbers::pi * (r * r - before * before), middle = (r + before) / 2;
+        error += area * std::abs(field.reflectance(0, middle, place) - exact(middle));
+        total += area * field.reflectance(0, middle, place);
+        before = r;
+      }
+      worst = std::max(worst, error / reflectance);
+      EXPECT_NEAR(total / exact.enclosed(before), 1, 2e-3) << reflectance;
+    }
+    EXPECT_LT(worst, 0.01) << static_cast<int>(model);
+    RecordProperty("worst", std::to_string(worst));
+  }
+}
+
+TEST(FieldOfAlbedo, EndsHaveWhatIsAroundThemAsFarAsTheyAreApart) {
+  const Colored square({{0.2F, 0.5F, 0.5F}, {0.2F, 0.5F, 0.5F}, {0.8F, 0.5F, 0.5F}, {0.8F, 0.5F, 0.5F}});
+  const MediumField field(ofAlbedo(), square.mesh);
+  const Vec3 left(-0.9, 0, 0), right(0.9, 0.1, 0);
+  const auto at = [&](const Vec3& point, float own) { return field.surroundings(point, {own, 0.5F, 0.5F}); };
+  const auto near = at(left, 0.2F), far = at(right, 0.8F);
+  // Each its own where it is alike all around, half of all where that is the whole.
+  for (std::size_t scale = 0; scale < 4; ++scale) {
+    EXPECT_NEAR(near[scale][0], 0.2, 1e-5);
+    EXPECT_NEAR(far[scale][0], 0.8, 1e-5);
+    EXPECT_NEAR(near[scale][1], 0.5, 1e-5);
+  }
+  EXPECT_NEAR(near.back()[0], 0.5, 0.02);
+  EXPECT_NEAR(far.back()[0], 0.5, 0.02);
+  // The same either way.
+  for (const double distance : {0.0, 1e-3, 0.04, 0.3, 1.8, 50.0})
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto one = field.along(near, far, distance), other = field.along(far, near, distance);
+      EXPECT_EQ(one.node[c], other.node[c]);
+      EXPECT_EQ(one.share[c], other.share[c]);
+    }
+  // R_d of the mean, of each color.
+  const DiffuseReflectance mean(
+      formats::DiffusionModel::kDipole,
+      coefficientsOfReflectance(formats::DiffusionModel::kDipole, 0.5, 20, 1.3));
+  EXPECT_NEAR(field.reflectance(0, 0.1, field.along(near, far, 0.01)) / mean(0.1), 1, 0.01);
+}
+
+TEST(FieldOfAlbedo, TurnsWithItsObject) {
+  const Colored square({{0.2F, 0.5F, 0.5F}, {0.8F, 0.5F, 0.5F}, {0.3F, 0.9F, 0.1F}});
+  const Eigen::Isometry3d here_from_object =
+      Eigen::Translation3d(0.1, 0.2, 0.3) *
+      Eigen::Isometry3d(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
+  Colored turned = square;
+  for (Float3& corner : turned.mesh.positions) corner = float3(here_from_object * vec3(corner));
+  const MediumField field(ofAlbedo(), square.mesh),
+      moved(ofAlbedo(), turned.mesh, here_from_object.inverse());
+  for (const Vec3& point : {Vec3(0.1, 0.2, 0), Vec3(-0.7, 0.9, 0), Vec3(1, 1, 0)}) {
+    const auto one = field.surroundings(point, {0.4F, 0.4F, 0.4F}),
+               other = moved.surroundings(here_from_object * point, {0.4F, 0.4F, 0.4F});
+    for (std::size_t scale = 0; scale < one.size(); ++scale)
+      EXPECT_LT((one[scale] - other[scale]).abs().maxCoeff(), 2e-3) << scale;
+  }
+}
+
+TEST(FieldOfAlbedo, ReflectancesOutOfReachAreClampedAndNoneIsRefused) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const Colored wide({{-1, 0, 0}, {7, 1, 1}});
+  const MediumField field(ofAlbedo(), wide.mesh);
+  EXPECT_NEAR(field.reflectances().front()[0].total(), static_cast<double>(MediumField::kLeastReflectance),
+              1e-8);
+  EXPECT_NEAR(field.reflectances().back()[0].total(), 1, 1e-12);
+  const Colored bad({{0.5F, nan, 0.5F}, {0.5F, 0.5F, 0.5F}});
+  EXPECT_THROW(MediumField(ofAlbedo(), bad.mesh), std::invalid_argument);
+  formats::TriangleMesh colorless = wide.mesh;
+  colorless.colors.clear();
+  EXPECT_THROW(MediumField(ofAlbedo(), colorless), std::invalid_argument);
+  EXPECT_THROW(MediumField(ofAlbedo(), kBox), std::invalid_argument);
 }
 
 }  // namespace
