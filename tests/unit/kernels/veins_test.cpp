@@ -2,66 +2,15 @@
 #include <gtest/gtest.h>
 
 #include "formats/error.h"
-#include "tests/support/plate.h"
-#include "transport/translucent_response.h"
+#include "tests/unit/kernels/uneven_plate.h"
 
 namespace bakelight::kernels {
 namespace {
-
-constexpr int kTexels = 100;
 
 formats::Medium veinedMedium() {
   formats::Medium medium = tests::mediumOf(1.5, 0.98);
   medium.veins = formats::Veins{{0.4F, 0.5F, 0.6F}, {0.1F, 0.05F, 0.02F}, 40, 10, 2};
   return medium;
-}
-
-std::vector<formats::Float3> responseOf(const formats::Translucency& translucency, int square) {
-  std::vector<formats::Float3> light;
-  for (const std::uint32_t place : formats::wordsOf(translucency.texels)) {
-    const std::uint32_t x = place % kTexels, y = place / kTexels;
-    const float value = square == 0 || (x / square + y / square) % 2 == 0 ? 1 : 0;
-    light.push_back({value, value, value});
-  }
-  return transport::TranslucentResponse(translucency).respond(light);
-}
-
-struct Plate {
-  tests::TemporaryFolder folder;
-  formats::TriangleMesh mesh = tests::plateMesh(kTexels, 4.4);
-  Plate() { tests::writeMaps(mesh, kTexels, folder / "maps.exr"); }
-  formats::Translucency made(const formats::Medium& medium, const Options& options = {}) const {
-    return makeTranslucency(mesh, folder / "maps.exr", medium, options, stage::ProgressStyle::kNone)
-        .translucency;
-  }
-};
-
-// Relative RMSE over some receivers.
-double errorOf(const Plate& plate, const formats::Translucency& translucency, const formats::Medium& medium,
-               int square) {
-  const Knots knots = knotsOf(plate.mesh);
-  const Texels texels = texelsOf(plate.folder / "maps.exr", plate.mesh, knots);
-  const transport::MediumField field(medium, plate.mesh.positions);
-  const Reflectance reflectance(field, 200, 1, 1.01);
-  const auto found = responseOf(translucency, square);
-  const auto receivers = formats::wordsOf(translucency.receivers);
-  double difference = 0, squares = 0;
-  for (std::size_t r = 7; r < receivers.size(); r += 61) {
-    const std::size_t texel = receivers[r];
-    if (texels.areas[texel] == 0) continue;
-    Rgb truth = Rgb::Zero();
-    for (std::size_t s = 0; s < texels.count(); ++s) {
-      const std::uint32_t x = texels.places[s] % kTexels, y = texels.places[s] / kTexels;
-      if (square > 0 && (x / square + y / square) % 2 == 1) continue;
-      truth += texels.areas[s] *
-               reflectance.betweenTexels((texels.positions[s] - texels.positions[texel]).norm(),
-                                         texels.sides[texel], reflectance.bandOf(texels.sides[texel]),
-                                         reflectance.along(texels.point(s), texels.point(texel)));
-    }
-    difference += static_cast<double>((Rgb(found[r][0], found[r][1], found[r][2]) - truth).square().sum());
-    squares += static_cast<double>(truth.square().sum());
-  }
-  return std::sqrt(difference / squares);
 }
 
 TEST(PlateWithVeins, IsTheSumOverAllWays) {

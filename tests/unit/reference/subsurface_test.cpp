@@ -5,6 +5,7 @@
 
 #include <numbers>
 
+#include "formats/error.h"
 #include "tests/unit/reference/scenes.h"
 #include "transport/diffusion.h"
 
@@ -105,17 +106,31 @@ TEST(Subsurface, PlacesOutOfReachDoNotHideNearOnes) {
   expectMean(means, Rgb::Constant(expected), 0.05);
 }
 
-// Through a ball, from all sides: a quadrature over its surface; of one medium, and with veins.
-class ThroughABall : public testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(Veins, ThroughABall, testing::Bool());
+// Through a ball, from all sides: a quadrature over its surface; of one medium, with veins, and of what its colors say.
+enum class Varies { kNot, kByVeins, kByAlbedo };
+class ThroughABall : public testing::TestWithParam<Varies> {};
+INSTANTIATE_TEST_SUITE_P(Media, ThroughABall,
+                         testing::Values(Varies::kNot, Varies::kByVeins, Varies::kByAlbedo));
 
 TEST_P(ThroughABall, IsTheIntegralOverItsSurface) {
-  const TriangleMesh ball = icosphere(3);
+  TriangleMesh ball = icosphere(3);
   formats::Medium medium{{1, 3, 10}, {0.01F, 0.1F, 0.2F}, 1.3, 1, {}};
-  if (GetParam()) medium.veins = formats::Veins{{4, 1, 2}, {1, 2, 0.5F}, 0.6, 0.2, 3};
-  const transport::MediumField field(medium, ball.positions);
-  const Scene scene = sceneOf(translucent(icosphere(3), medium), uniformRig());
+  if (GetParam() == Varies::kByVeins) medium.veins = formats::Veins{{4, 1, 2}, {1, 2, 0.5F}, 0.6, 0.2, 3};
+  if (GetParam() == Varies::kByAlbedo) {
+    medium.reflectance = formats::ReflectanceSource::kAlbedo;
+    for (const formats::Float3& p : ball.positions)
+      ball.colors.push_back({p[0] > 0 ? 0.9F : 0.3F, p[1] > 0 ? 0.8F : 0.2F, 0.5F + 0.3F * p[2]});
+  }
+  const transport::MediumField field(medium, ball);
+  Surface surface = translucent(ball, medium);
+  surface.material.medium_reflectance = ball.colors;
+  const Scene scene = sceneOf(surface, uniformRig());
   const ShadingPoint point = scene.pointAtVertex(7);
+  const auto along = [&](const Vec3& place, const Vec3& color) {
+    if (!field.isOfSurface()) return field.along(point.position, place);
+    return field.along(field.surroundings(point.position, ball.colors[7]),
+                       field.surroundings(place, float3(color)), (place - point.position).norm());
+  };
   Rgb integral = Rgb::Zero();
   constexpr int kParts = 6;
   for (const auto& [i, j, k] : ball.triangles) {
@@ -126,16 +141,37 @@ TEST_P(ThroughABall, IsTheIntegralOverItsSurface) {
         for (const double third : {1.0 / 3, 2.0 / 3}) {
           if (third > 0.5 && t == kParts - s - 1) continue;
           const Vec3 place = a + (b - a) * ((s + third) / kParts) + (c - a) * ((t + third) / kParts);
+          Vec3 painted = Vec3::Ones();
+          if (!ball.colors.empty()) {
+            const Vec3 at_a = vec3(ball.colors[i]);
+            painted = at_a + (vec3(ball.colors[j]) - at_a) * ((s + third) / kParts) +
+                      (vec3(ball.colors[k]) - at_a) * ((t + third) / kParts);
+          }
           for (int color = 0; color < 3; ++color)
             integral[color] +=
                 area * field.reflectance(static_cast<std::size_t>(color), (place - point.position).norm(),
-                                         field.along(point.position, place));
+                                         along(place, painted));
         }
   }
   const auto means = estimate(scene, {.transport = Transport::kShadowed}, point, point.normal, 600);
   // The sky is seen over the tangent plane of the place that is hit, of which interpolated normals know.
   expectMean(means, enteredOfUniformSky(1.3) * integral * (transport::schlickTransmittance(1, 1.3) / kPi),
              0.05);
+}
+
+TEST(Subsurface, RandomWalksHaveNoAlbedoToGoBy) {
+  formats::Medium medium{{2, 2, 2}, {0.5F, 0.5F, 0.5F}, 1.3, 1, {}};
+  medium.reflectance = formats::ReflectanceSource::kAlbedo;
+  Surface surface = translucent(icosphere(2), medium);
+  surface.material.medium_reflectance.assign(surface.mesh.vertexCount(), {0.5F, 0.5F, 0.5F});
+  EXPECT_NO_THROW(sceneOf(surface, uniformRig()));
+  surface.translucency = Translucency::kRandomWalk;
+  try {
+    sceneOf(surface, uniformRig());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(error.paragraph().find("/medium/reflectance"), std::string::npos) << error.paragraph();
+  }
 }
 
 TEST(Subsurface, SunlightEntersByItsCosineAndAShadowEndsSoftly) {
