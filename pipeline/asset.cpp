@@ -163,7 +163,7 @@ class Finder {
     problems_.attempt([&] {
       object.object("report");
       if (object.has("report")) asset.report = object.value("report");
-      problems_.add(object.object("report").unknownKeys({"lights", "cameras", "vary", "with_run"}));
+      problems_.add(object.object("report").unknownKeys({"lights", "cameras", "vary", "with_run", "truth"}));
       asset.report_with_run = object.object("report").boolean("with_run", false);
       const JsonReader lights = object.object("report").object("lights");
       for (const std::string& name : lights.keys())

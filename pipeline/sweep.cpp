@@ -45,9 +45,8 @@ class Planner {
     makeSweepGraph();
     problems_.throwIfAny();
     planViews();
-    const ReportRecipe::Link truth = how_.truth();
     for (const View& view : sweep_.views)
-      sweep_.truths.push_back(referenceTask(kept_[truth_wanted_], truth, view, {}, kept_[truth_wanted_]));
+      sweep_.truths.push_back(referenceTask(kept_[truth_wanted_], truth_, view, {}, kept_[truth_wanted_]));
     for (std::size_t i = 0; i < sweep_.variants.size(); ++i) addPictures(i);
     problems_.throwIfAny();
     return std::move(sweep_);
@@ -105,11 +104,28 @@ class Planner {
     return want(std::move(asset));
   }
 
+  // An asset that the recipe's truth has nothing to say about begins with a later link's picture.
+  void takeChain() {
+    chain_ = how_.chain(problems_);
+    truth_ = how_.truth();
+    const JsonReader own(base_.report, base_.file, "/report");
+    if (!own.has("truth")) return;
+    const auto first = std::find_if(chain_.begin(), chain_.end(), [&](const ReportRecipe::Link& link) {
+      return link.reference && link.cause == own.text("truth");
+    });
+    if (first == chain_.end())
+      throw badInput(own.placeOf("truth"),
+                     "no link of the recipe's chain that is path-traced has the cause \"" + own.text("truth") +
+                         "\"");
+    truth_ = *first;
+    truth_.cause = ReportRecipe::kTruth;
+    chain_.erase(chain_.begin(), first + 1);
+  }
+
   void planVariants() {
     const std::vector<Variant> variants = variantsOf(vary());
-    chain_ = how_.chain(problems_);
-    const ReportRecipe::Link truth = how_.truth();
-    truth_wanted_ = wantLink(assetFor(ReportRecipe::kTruth, truth.settings), truth);
+    takeChain();
+    truth_wanted_ = wantLink(assetFor(ReportRecipe::kTruth, truth_.settings), truth_);
     for (const Variant& variant : variants) {
       checkSameObject(variant);
       Wanted wanted{wantPack(assetFor(variant.name, variant.settings), true), {}};
@@ -334,6 +350,7 @@ class Planner {
 
   Wire pack_;
   ReportRecipe::Reference reference_;
+  ReportRecipe::Link truth_;
   std::vector<ReportRecipe::Link> chain_;
   std::vector<Asset> wanted_;
   std::vector<std::size_t> kept_;  // by wanted: place in the graph's assets

@@ -5,6 +5,7 @@
 //   blend_rel_rmse: relative RMSE over 1,500 places of the surface, the worst of three lights; also of each, beside what the naive sum errs by
 //     (kernels of R_d and factors with a diagonal of 0), and how many times that is as much at least (naive_ratio).
 // horse_with_veins: the same with dark veins through the marble.
+// horse_textured: striped in red and white, which the medium reflects, with a mean free path as of marble.
 // factors: of the bunny's 34,000 vertices. bytes, seconds.
 // product: factors times light at run time; bandwidth_ratio: bytes that they have ÷ seconds ÷ what this machine reads in a second.
 // respond: all of a light change on the CPU.
@@ -13,6 +14,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -56,6 +58,21 @@ formats::Medium veinedMarble() {
   return medium;
 }
 
+formats::Medium candy() {
+  formats::Medium medium = marble();
+  medium.reflectance = formats::ReflectanceSource::kAlbedo;
+  return medium;
+}
+
+// Slanted stripes.
+void paint(formats::TriangleMesh& mesh) {
+  for (const formats::Float3& p : mesh.positions) {
+    const float wave = std::sin(17.5F * (p[0] + 0.6F * p[1] + 0.3F * std::abs(p[2])));
+    const float red = std::clamp(0.5F + 0.9F * wave, 0.0F, 1.0F);
+    mesh.colors.push_back({0.86F - 0.24F * red, 0.80F - 0.77F * red, 0.70F - 0.65F * red});
+  }
+}
+
 struct Horse {
   formats::Medium medium;
   tests::TemporaryFolder folder;
@@ -76,6 +93,8 @@ struct Horse {
     result = atlas::makeAtlas(mesh, {}, charts, "horse");
     formats::writeExr(folder / "maps.exr", atlas::geometryMaps(result.atlas, {512, 4}, "horse"),
                       formats::ExrPrecision::kFloat);
+    result.atlas.mesh.colors.clear();
+    if (of.reflectance == formats::ReflectanceSource::kAlbedo) paint(result.atlas.mesh);
     made = kernels::makeTranslucency(result.atlas.mesh, folder / "maps.exr", medium, {},
                                      stage::ProgressStyle::kNone);
   }
@@ -94,10 +113,11 @@ void measure(benchmark::State& state, const Horse& subject) {
     state.counters["kernel_seconds"] = seconds.at("kernels");
     state.counters["prepare_seconds"] = seconds.at("prepare");
     state.counters["compress_seconds"] = seconds.at("compress");
-    const kernels::Knots knots = kernels::knotsOf(subject.result.atlas.mesh);
-    const kernels::Texels texels =
-        kernels::texelsOf(subject.folder / "maps.exr", subject.result.atlas.mesh, knots);
-    const transport::MediumField field(subject.medium, subject.result.atlas.mesh.positions);
+    const formats::TriangleMesh& mesh = subject.result.atlas.mesh;
+    kernels::Knots knots = kernels::knotsOf(mesh);
+    kernels::Texels texels = kernels::texelsOf(subject.folder / "maps.exr", mesh, knots);
+    const transport::MediumField field(subject.medium, mesh);
+    kernels::takeSurroundings(field, mesh, knots, texels);
     const auto [least, greatest] = std::minmax_element(texels.sides.begin(), texels.sides.end());
     const kernels::Reflectance reflectance(field, 3, static_cast<double>(*least),
                                            static_cast<double>(*greatest));
@@ -127,6 +147,11 @@ void BM_horse_with_veins(benchmark::State& state) {
   measure(state, Horse(veinedMarble()));
 }
 BENCHMARK(BM_horse_with_veins)->Name("horse_with_veins")->Iterations(1)->Unit(benchmark::kSecond);
+
+void BM_horse_textured(benchmark::State& state) {
+  measure(state, Horse(candy()));
+}
+BENCHMARK(BM_horse_textured)->Name("horse_textured")->Iterations(1)->Unit(benchmark::kSecond);
 
 void BM_factors(benchmark::State& state) {
   const formats::TriangleMesh mesh = formats::importMesh(dataFolder() + "/models/bunny.obj").mesh;

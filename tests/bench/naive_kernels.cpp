@@ -1,6 +1,7 @@
 // naive_kernels ATLAS.ply MAPS.exr MATERIAL.json KERNELS.safetensors: what the tool `kernels` writes, but before the branches are blended (Lensch et al. 2002,
 // before section 5.4): kernels are R_d itself, factors are R_d between vertices with a diagonal of 0, and both are added up. For the figure that compares.
 #include <iostream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -68,15 +69,19 @@ formats::EncodedTable plainFactors(const kernels::Knots& knots, const kernels::R
 }
 
 void writeNaive(char** files) {
-  const formats::TriangleMesh mesh = formats::readPly(files[0]);
-  const auto medium = formats::readMaterials(files[2]).base.medium;
+  formats::TriangleMesh mesh = formats::readPly(files[0]);
+  const formats::SurfaceMaterials surface =
+      formats::materialsOn(mesh, formats::readMaterials(files[2]), files[0], files[2]);
+  mesh.colors = surface.medium_reflectance;
+  const std::optional<formats::Medium>& medium = surface.media.front();
   if (!medium) throw badInput({files[2], "", "/medium"}, "there is none", "one");
   formats::Translucency result =
       kernels::makeTranslucency(mesh, files[1], *medium, {}, stage::ProgressStyle::kNone).translucency;
 
-  const kernels::Knots knots = kernels::knotsOf(mesh);
-  const kernels::Texels texels = kernels::texelsOf(files[1], mesh, knots);
-  const transport::MediumField field(*medium, mesh.positions);
+  kernels::Knots knots = kernels::knotsOf(mesh);
+  kernels::Texels texels = kernels::texelsOf(files[1], mesh, knots);
+  const transport::MediumField field(*medium, mesh);
+  kernels::takeSurroundings(field, mesh, knots, texels);
   const auto [least, greatest] = std::minmax_element(texels.sides.begin(), texels.sides.end());
   kernels::Vec3 low = knots.positions.front(), high = low;
   for (const kernels::Vec3& p : knots.positions) low = low.cwiseMin(p), high = high.cwiseMax(p);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "formats/error.h"
@@ -139,6 +140,56 @@ TEST(Material, MayBeTranslucent) {
               HasSubstr("/medium/absorption"));
   EXPECT_THAT(problemWith(R"({ "medium": { "reduced_scattering": [0, 1, 1], "absorption": [0, 0, 0] } })"),
               HasSubstr("/medium/reduced_scattering"));
+}
+
+TEST(Material, MediumMayReflectTheAlbedo) {
+  const Materials painted = parsed(
+      R"({ "albedo": [0.2, 0.4, 0.6], "medium": { "name": "marble", "reflectance": "albedo" } })");
+  EXPECT_EQ(painted.base.medium->reflectance, ReflectanceSource::kAlbedo);
+  EXPECT_THAT(problemWith(R"({ "medium": { "name": "marble", "reflectance": "mesh" } })"),
+              AllOf(HasSubstr("/medium/reflectance"), HasSubstr("albedo")));
+  EXPECT_THAT(
+      problemWith(R"({ "medium": { "name": "cream", "reflectance": "albedo",
+                       "veins": { "name": "apple", "spacing": 3, "width": 0.5 } } })"),
+      AllOf(HasSubstr("/medium/reflectance"), HasSubstr("veins")));
+  // What bakes the medium is baked anew for another albedo then, and only then.
+  EXPECT_TRUE(toJson(painted, {"medium"})["material"].contains("albedo"));
+  const Materials stained = parsed(R"({ "albedo": [0.2, 0.4, 0.6], "medium": { "name": "marble" } })");
+  EXPECT_FALSE(toJson(stained, {"medium"})["material"].contains("albedo"));
+
+  TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {}, {}, {{0, 1, 2}, {1, 3, 2}}};
+  const SurfaceMaterials one = materialsOn(mesh, painted, "m.ply", "m.json");
+  EXPECT_EQ(one.medium_reflectance, std::vector<Float3>(4, {0.2F, 0.4F, 0.6F}));
+  EXPECT_EQ(one.albedo, (Float3{1, 1, 1})) << "no stain besides";
+  EXPECT_TRUE(one.vertex_albedo.empty());
+  EXPECT_TRUE(materialsOn(mesh, stained, "m.ply", "m.json").medium_reflectance.empty());
+
+  Materials by_mesh = painted;
+  by_mesh.base.albedo.reset();
+  EXPECT_THROW(materialsOn(mesh, by_mesh, "m.ply", "m.json"), Error);
+  mesh.colors = {{0, 0, 0}, {0.1F, 0.2F, 0.3F}, {1, 1, 1}, {0.5F, 0.5F, 0.5F}};
+  EXPECT_EQ(materialsOn(mesh, by_mesh, "m.ply", "m.json").medium_reflectance, mesh.colors);
+  mesh.colors[2][0] = std::numeric_limits<float>::infinity();
+  EXPECT_THROW(materialsOn(mesh, by_mesh, "m.ply", "m.json"), Error);
+}
+
+// Beside a material that is stained: each vertex has the one or the other.
+TEST(Material, MediaThatReflectAndStainsGoTogether) {
+  TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {3, 0, 0}, {2, 1, 0}},
+                    {},
+                    {},
+                    {{0, 1, 2}, {3, 4, 5}}};
+  mesh.triangle_materials = {0, 1};
+  mesh.material_names = {"candy", "wood"};
+  const SurfaceMaterials surface = materialsOn(
+      mesh,
+      parsed(R"({ "materials": { "wood": { "albedo": [0.3, 0.2, 0.1] },
+                  "candy": { "albedo": [0.9, 0.1, 0.1], "medium": { "name": "marble", "reflectance": "albedo" } } } })"),
+      "m.ply", "m.json");
+  EXPECT_EQ(surface.medium_reflectance[0], (Float3{0.9F, 0.1F, 0.1F}));
+  EXPECT_EQ(surface.vertex_albedo[0], (Float3{1, 1, 1}));
+  EXPECT_EQ(surface.medium_reflectance[3], (Float3{1, 1, 1}));
+  EXPECT_EQ(surface.vertex_albedo[3], (Float3{0.3F, 0.2F, 0.1F}));
 }
 
 TEST(Material, PatchMayBeMeasured) {

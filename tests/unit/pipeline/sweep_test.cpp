@@ -195,6 +195,28 @@ TEST_F(SweepTest, ViewsAreAllLightsSeenByAllCameras) {
   EXPECT_EQ(sweep.views[1].frame, Json({{"width", 64}, {"yaw_deg", 90}}));
 }
 
+TEST_F(SweepTest, AnAssetMayTakeALaterLinkForItsTruth) {
+  const auto asset = [&](const char* cause) {
+    workshop_.disk.write("assets/cube/asset.json",
+                         Json({{"mesh", "cube.obj"}, {"report", {{"truth", cause}}}}).dump());
+  };
+  asset("simplification");
+  const Sweep sweep = plan();
+  EXPECT_EQ(sweep.graph.tasks[sweep.truths[0]].parameters.at("transport"), "all") << "the link's";
+  ASSERT_EQ(sweep.variants[0].chain.size(), 2U);
+  EXPECT_EQ(sweep.variants[0].chain[0].cause, "directions");
+  EXPECT_EQ(count(sweep, "reference"), 2U) << "the truth alone";
+  for (const char* other : {"storage", "weather"}) {  // no path-traced one
+    asset(other);
+    try {
+      plan();
+      ADD_FAILURE() << "accepted \"" << other << '"';
+    } catch (const ProblemsFound& found) {
+      EXPECT_THAT(found.what(), HasSubstr(other));
+    }
+  }
+}
+
 TEST_F(SweepTest, VaryAndSettingsOfTheCommandLineWin) {
   const Sweep sweep =
       plan({.vary = {"transfer.directions=1,2,3"}, .settings = {parseSetting("transfer.order=7")}});
