@@ -204,6 +204,7 @@ void leastSquares(benchmark::State& state) {
 BENCHMARK(leastSquares)
     ->Name("least_squares")
     ->Arg(21'596)
+    ->Arg(10'800)
     ->Arg(4'000)
     ->ArgName("triangles")
     ->Iterations(1)
