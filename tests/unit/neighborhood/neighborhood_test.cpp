@@ -133,6 +133,7 @@ TEST(GroundTransfer, FarAwayTheObjectChangesNothing) {
               static_cast<double>(light[static_cast<std::size_t>(i)][0]);
   EXPECT_NEAR(ground.radiosityAt(x, 0)[0], open, 1e-4 * open);
   EXPECT_EQ(ground.radiosityAt(x, 0), ground.radiosityAt(10 * x, 0));
+  EXPECT_EQ(ground.seen({0, -5, 0}, -Vec3::UnitY(), kWhite)[3], 0);
   EXPECT_EQ(ground.seen({0, 5, 0}, Vec3(x, -5, 0).normalized(), kWhite)[3], 0);
 }
 

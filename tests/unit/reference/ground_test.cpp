@@ -75,6 +75,7 @@ TEST(Ground, IsSeenFromAboveUntilItHasFadedOut) {
   EXPECT_TRUE(ground.seen({0, 1, 0}, -Vec3::UnitY(), 0));
   EXPECT_EQ(ground.seen({0, 1, 0}, -Vec3::UnitY(), 0)->opacity, 1);
   EXPECT_FALSE(ground.seen({0, -1, 0}, Vec3::UnitY(), 0));
+  EXPECT_FALSE(ground.seen({0, -1, 0}, -Vec3::UnitY(), 0));
   EXPECT_FALSE(ground.seen({0, 1, 0}, Vec3::UnitX(), 0));
   EXPECT_LT(ground.seen({1.8, 1, 0}, -Vec3::UnitY(), 0)->opacity, 0.5);
   EXPECT_FALSE(ground.seen({2.1, 1, 0}, -Vec3::UnitY(), 0));
