@@ -275,8 +275,7 @@ void requireColors(const TriangleMesh& mesh, const Materials& materials, const s
                      "give the material an \"albedo\", or leave \"reflectance\" out");
   };
   if (materials.by_name.empty()) require(materials.base, "");
-  for (const auto& [name, material] : materials.by_name)
-    require(material, childPointer("/materials", name));
+  for (const auto& [name, material] : materials.by_name) require(material, childPointer("/materials", name));
 }
 
 // Takes the albedos of what consists of a medium whose reflectance they are off the surface.

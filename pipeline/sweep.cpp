@@ -114,9 +114,9 @@ class Planner {
       return link.reference && link.cause == own.text("truth");
     });
     if (first == chain_.end())
-      throw badInput(own.placeOf("truth"),
-                     "no link of the recipe's chain that is path-traced has the cause \"" + own.text("truth") +
-                         "\"");
+      throw badInput(
+          own.placeOf("truth"),
+          "no link of the recipe's chain that is path-traced has the cause \"" + own.text("truth") + "\"");
     truth_ = *first;
     truth_.cause = ReportRecipe::kTruth;
     chain_.erase(chain_.begin(), first + 1);

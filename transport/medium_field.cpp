@@ -235,13 +235,13 @@ void MediumField::addUp(const formats::TriangleMesh& mesh, std::span<const Eigen
   std::vector<Vec3> places;
   for (const Float3& position : mesh.positions) places.push_back(object_from_here_ * vec3(position));
   for (const formats::Triangle& t : mesh.triangles)
-    for (const std::uint32_t vertex : t) low = low.cwiseMin(places[vertex]), high = high.cwiseMax(places[vertex]);
+    for (const std::uint32_t vertex : t)
+      low = low.cwiseMin(places[vertex]), high = high.cwiseMax(places[vertex]);
   origin_ = low;
   surface_cell_ = std::max((high - low).maxCoeff() / kCells, 1e-300);
   SurfaceLevel finest;
   for (std::size_t axis = 0; axis < 3; ++axis)
-    finest.size[axis] =
-        static_cast<int>((high - low)[static_cast<Eigen::Index>(axis)] / surface_cell_) + 1;
+    finest.size[axis] = static_cast<int>((high - low)[static_cast<Eigen::Index>(axis)] / surface_cell_) + 1;
   finest.sums.assign(static_cast<std::size_t>(finest.size[0]) * finest.size[1] * finest.size[2],
                      Eigen::Array4f::Zero());
   const auto add = [&](const Vec3& point, const Eigen::Array4f& sums) {

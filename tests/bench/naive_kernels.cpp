@@ -32,10 +32,10 @@ formats::EncodedTable plainKernels(const kernels::Texels& texels, const kernels:
         if (s < 0) continue;
         const auto source = static_cast<std::size_t>(s);
         const float distance = (texels.positions[source] - texels.positions[receiver]).norm();
-        const Rgb value = texels.cells[source] *
-                          reflectance.betweenTexels(
-                              distance, texels.sides[receiver], band,
-                              reflectance.along(texels.point(source), texels.point(receiver)));
+        const Rgb value =
+            texels.cells[source] *
+            reflectance.betweenTexels(distance, texels.sides[receiver], band,
+                                      reflectance.along(texels.point(source), texels.point(receiver)));
         for (int c = 0; c < 3; ++c) to[c] = value[c];
       }
   }
@@ -57,9 +57,8 @@ formats::EncodedTable plainFactors(const kernels::Knots& knots, const kernels::R
       const float radius = (throughput.smoothing(k) + throughput.smoothing(other)) / 2;
       if (distance >= radius || !std::binary_search(along.begin(), along.end(), columns[i])) continue;
       const Rgb plain =
-          other == k
-              ? Rgb(Rgb::Zero())
-              : reflectance.exact(distance, reflectance.along(knots.point(k), knots.point(other)));
+          other == k ? Rgb(Rgb::Zero())
+                     : reflectance.exact(distance, reflectance.along(knots.point(k), knots.point(other)));
       const Rgb more = plain - throughput.between(k, other);
       for (std::size_t c = 0; c < 3; ++c) values[3 * (first + i) + c] += more[static_cast<Eigen::Index>(c)];
     }

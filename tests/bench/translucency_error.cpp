@@ -52,9 +52,9 @@ struct Naive {
         const auto source = static_cast<std::size_t>(s);
         const float distance = (texels.positions[source] - texels.positions[receiver]).norm();
         sum += light[source] * texels.cells[source] *
-               reflectance.betweenTexels(
-                   distance, texels.sides[receiver], reflectance.bandOf(texels.sides[receiver]),
-                   reflectance.along(texels.point(source), texels.point(receiver)));
+               reflectance.betweenTexels(distance, texels.sides[receiver],
+                                         reflectance.bandOf(texels.sides[receiver]),
+                                         reflectance.along(texels.point(source), texels.point(receiver)));
       }
     return sum;
   }
@@ -93,10 +93,9 @@ TranslucencyErrors translucencyErrors(const kernels::Knots& knots, const kernels
       const float power = texels.areas[s] * entering[s];
       if (power == 0) continue;
       const float distance = (texels.positions[s] - texels.positions[texel]).norm();
-      truth +=
-          (power * reflectance.betweenTexels(distance, texels.sides[texel], band,
-                                             reflectance.along(texels.point(s), texels.point(texel))))
-              .cast<double>();
+      truth += (power * reflectance.betweenTexels(distance, texels.sides[texel], band,
+                                                  reflectance.along(texels.point(s), texels.point(texel))))
+                   .cast<double>();
     }
     Rgb apart = naive.local(texel);
     for (int k = 0; k < 3; ++k)

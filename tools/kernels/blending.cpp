@@ -291,8 +291,8 @@ class Blender {
     tbb::parallel_for(std::size_t{0}, knots_.count(), [&](std::size_t k) {
       std::vector<std::uint32_t> near;
       index_->within(knots_.positions[k], static_cast<double>(exact_radius), near);
-      missing_[k] += roughPart(knots_.point(k), near, exact_radius) -
-                     roughPart(knots_.point(k), near, rough_radius_);
+      missing_[k] +=
+          roughPart(knots_.point(k), near, exact_radius) - roughPart(knots_.point(k), near, rough_radius_);
       missing_[k] -= response[k] + given[k];
     });
   }

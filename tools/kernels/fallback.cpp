@@ -34,15 +34,14 @@ std::array<double, 3> meanReflectance(const formats::TriangleMesh& mesh) {
   double whole = 0;
   for (const formats::Triangle& t : mesh.triangles) {
     const transport::Vec3 a = transport::vec3(mesh.positions[t[0]]);
-    const double area = (transport::vec3(mesh.positions[t[1]]) - a)
-                            .cross(transport::vec3(mesh.positions[t[2]]) - a)
-                            .norm();
+    const double area =
+        (transport::vec3(mesh.positions[t[1]]) - a).cross(transport::vec3(mesh.positions[t[2]]) - a).norm();
     whole += area;
     for (const std::uint32_t vertex : t)
       for (std::size_t c = 0; c < 3; ++c)
         sums[c] += area / 3 *
-                   static_cast<double>(std::clamp(mesh.colors[vertex][c],
-                                                  transport::MediumField::kLeastReflectance, 1.0F));
+                   static_cast<double>(
+                       std::clamp(mesh.colors[vertex][c], transport::MediumField::kLeastReflectance, 1.0F));
   }
   for (double& sum : sums) sum /= std::max(whole, 1e-300);
   return sums;
@@ -56,8 +55,8 @@ std::array<transport::ScatteringCoefficients, 3> meanCoefficients(const formats:
   if (medium.reflectance != formats::ReflectanceSource::kAlbedo) return colors;
   const std::array<double, 3> means = meanReflectance(mesh);
   for (std::size_t c = 0; c < 3; ++c)
-    colors[c] =
-        transport::coefficientsOfReflectance(medium.model, std::max(means[c], 1e-6), colors[c].extinction(), medium.eta);
+    colors[c] = transport::coefficientsOfReflectance(medium.model, std::max(means[c], 1e-6),
+                                                     colors[c].extinction(), medium.eta);
   return colors;
 }
 

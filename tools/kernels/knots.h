@@ -13,8 +13,8 @@
 namespace bakelight::kernels {
 
 struct Knots {
-  std::vector<std::uint32_t> of_vertex;  // of the mesh
-  std::vector<Vec3> positions;           // in the asset's unit, as all lengths here
+  std::vector<std::uint32_t> of_vertex;    // of the mesh
+  std::vector<Vec3> positions;             // in the asset's unit, as all lengths here
   std::vector<Surroundings> surroundings;  // takeSurroundings: empty unless the field is of the surface
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<double> triangle_areas;

@@ -70,8 +70,8 @@ void report(const kernels::Made& made, stage::Run& run) {
         std::to_string(f.clamped) + " of " + std::to_string(f.texels) +
         " texels would have given their vertices more than twice what falls on them, and were held to that");
   if (f.clamped_reflectances > 0)
-    run.warn(std::to_string(f.clamped_reflectances) +
-             " vertices have colors below " + std::to_string(transport::MediumField::kLeastReflectance) +
+    run.warn(std::to_string(f.clamped_reflectances) + " vertices have colors below " +
+             std::to_string(transport::MediumField::kLeastReflectance) +
              " or above 1, which are taken for these: no medium reflects nothing, or more than it gets");
   if (f.near_dropped_share > kMuch)
     run.warn("factors below the threshold are up to " + std::to_string(100 * f.near_dropped_share) +

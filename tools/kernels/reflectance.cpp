@@ -60,15 +60,17 @@ Reflectance::Reflectance(const transport::MediumField& field, double farthest, d
     return eachColor(media[medium],
                      [&](const DiffuseReflectance& color) { return color(std::max(r, least)); });
   });
-  inner_ = RadialTable<Polynomial>(scale, farthest, media.size(), by_color, [&](double r, std::size_t medium) {
-    Polynomial polynomial;
-    for (Eigen::Index c = 0; c < 3; ++c) {
-      const auto powers = smoothCoefficients(media[medium][static_cast<std::size_t>(c)], std::max(r, scale));
-      for (Eigen::Index k = 0; k < 3; ++k)
-        polynomial(c, k) = static_cast<float>(powers[static_cast<std::size_t>(k)]);
-    }
-    return polynomial;
-  });
+  inner_ =
+      RadialTable<Polynomial>(scale, farthest, media.size(), by_color, [&](double r, std::size_t medium) {
+        Polynomial polynomial;
+        for (Eigen::Index c = 0; c < 3; ++c) {
+          const auto powers =
+              smoothCoefficients(media[medium][static_cast<std::size_t>(c)], std::max(r, scale));
+          for (Eigen::Index k = 0; k < 3; ++k)
+            polynomial(c, k) = static_cast<float>(powers[static_cast<std::size_t>(k)]);
+        }
+        return polynomial;
+      });
 
   const double range = std::log(greatest_texel / least_texel);
   const int count = std::clamp(static_cast<int>(std::ceil(range / std::log(kBandRatio))) + 1, 2, kMostBands);

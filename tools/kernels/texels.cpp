@@ -227,8 +227,8 @@ void takeSurroundings(const transport::MediumField& field, const formats::Triang
   tbb::parallel_for(std::size_t{0}, texels.count(), [&](std::size_t i) {
     Eigen::Array3f color = Eigen::Array3f::Zero();
     for (std::size_t k = 0; k < 3; ++k)
-      color += texels.weights[i][static_cast<Eigen::Index>(k)] *
-               colorOf(mesh.triangles[texels.triangles[i]][k]);
+      color +=
+          texels.weights[i][static_cast<Eigen::Index>(k)] * colorOf(mesh.triangles[texels.triangles[i]][k]);
     texels.surroundings[i] = around(texels.positions[i].cast<double>(), color);
   });
 }

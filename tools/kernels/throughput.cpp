@@ -152,8 +152,7 @@ Rgb Throughput::apart(std::size_t a, std::size_t b) const {
       Surroundings around;
       for (std::size_t scale = 0; scale < around.size() && !knots_.surroundings.empty(); ++scale) {
         around[scale] = knots_.surroundings[to][scale] / 4;
-        for (const std::uint32_t k : knots_.triangles[t])
-          around[scale] += knots_.surroundings[k][scale] / 4;
+        for (const std::uint32_t k : knots_.triangles[t]) around[scale] += knots_.surroundings[k][scale] / 4;
       }
       sum += static_cast<float>(knots_.triangle_areas[t]) *
              reflectance_.exact(static_cast<float>((middle - knots_.positions[from]).norm()),
@@ -304,8 +303,8 @@ void Throughput::makeFar() {
     for (std::size_t b = 0; b < far_points_.size(); ++b) {
       const Point &from = far_points_[a], &to = far_points_[b];
       rows.columns[a].push_back(static_cast<std::uint32_t>(b));
-      push(rows.values[a], reflectance_.smoothed(static_cast<float>((from.position - to.position).norm()), outer_smoothing_,
-                                                 reflectance_.along(from, to)));
+      push(rows.values[a], reflectance_.smoothed(static_cast<float>((from.position - to.position).norm()),
+                                                 outer_smoothing_, reflectance_.along(from, to)));
     }
   });
   far_ = std::move(rows).joined(3);
@@ -351,7 +350,8 @@ std::vector<Rgb> Throughput::respondSmoothly(const std::vector<Rgb>& power, floa
     for (const std::uint32_t j : near) {
       const Vec3 &to = knots_.positions[i], &from = knots_.positions[j];
       const auto distance = static_cast<float>((to - from).norm());
-      response[i] += power[j] * (reflectance_.smoothed(distance, radius, reflectance_.along(knots_.point(i), knots_.point(j))) -
+      response[i] += power[j] * (reflectance_.smoothed(distance, radius,
+                                                       reflectance_.along(knots_.point(i), knots_.point(j))) -
                                  givenByFar(by_way_of_far, j, distance));
     }
   });

@@ -17,8 +17,8 @@ using transport::Float3;
 using transport::vec3;
 
 // The mesh, turned about the middle of `bounds`; its colors are what media reflect, where that is the albedo.
-TriangleMesh meshInWorld(const TriangleMesh& object, const std::vector<Float3>& reflectance, const formats::FrameSettings& frame,
-                         const transport::BoundingSphere& bounds) {
+TriangleMesh meshInWorld(const TriangleMesh& object, const std::vector<Float3>& reflectance,
+                         const formats::FrameSettings& frame, const transport::BoundingSphere& bounds) {
   if (object.triangleCount() == 0)
     throw badInput({"", "mesh", ""}, "the mesh has no triangles", "a mesh to look at");
   if (object.normals.size() != object.vertexCount())
@@ -98,12 +98,12 @@ std::vector<std::unique_ptr<const Transport>> transportIn(const Surface& surface
     for (const std::uint32_t material : of_triangle) of_medium.push_back(material == i ? 1 : 0);
     // A name that no face has any more.
     if (!of_medium.empty() && std::find(of_medium.begin(), of_medium.end(), 1) == of_medium.end()) continue;
-    if (std::is_same_v<Transport, RandomWalk> &&
-        medium->reflectance == formats::ReflectanceSource::kAlbedo)
-      throw badInput({"", surface.material.names[i], "/medium/reflectance"},
-                     "the albedo says what the surface reflects, and nothing about the medium inside, through "
-                     "which random walks go",
-                     "\"coefficients\"", "trace it by diffusion: --translucency diffusion");
+    if (std::is_same_v<Transport, RandomWalk> && medium->reflectance == formats::ReflectanceSource::kAlbedo)
+      throw badInput(
+          {"", surface.material.names[i], "/medium/reflectance"},
+          "the albedo says what the surface reflects, and nothing about the medium inside, through "
+          "which random walks go",
+          "\"coefficients\"", "trace it by diffusion: --translucency diffusion");
     try {
       of_materials.back() =
           std::make_unique<Transport>(*medium, mesh, std::move(of_medium), rays, object_from_world);

@@ -66,7 +66,9 @@ class Scene {
   Scene(const Surface& surface, const formats::LightRig& rig, const formats::FrameSettings& frame,
         const transport::BoundingSphere& bounds);
 
-  const formats::TriangleMesh& mesh() const { return mesh_; }  // in the world; colors as Subsurface takes them
+  const formats::TriangleMesh& mesh() const {
+    return mesh_;
+  }  // in the world; colors as Subsurface takes them
   // The same and the emitters after it: positions and triangles that rays meet.
   const formats::TriangleMesh& rayMesh() const { return ray_mesh_; }
   const Glossy& material(std::uint32_t number) const { return materials_[number]; }

@@ -98,8 +98,7 @@ Subsurface::Place Subsurface::placeAt(const Vec3& position, const Rgb& color) co
   Place place{position, {}};
   if (field_.isOfSurface())
     place.around = field_.surroundings(
-        position,
-        {static_cast<float>(color[0]), static_cast<float>(color[1]), static_cast<float>(color[2])});
+        position, {static_cast<float>(color[0]), static_cast<float>(color[1]), static_cast<float>(color[2])});
   return place;
 }
 
@@ -173,8 +172,9 @@ std::optional<Subsurface::Entry> Subsurface::alongLine(const Place& exit, const 
   return chosen;
 }
 
-std::optional<Subsurface::Entry> Subsurface::sample(const Vec3& position, const Rgb& color, const Vec3& normal,
-                                                    double choice, const std::array<double, 2>& point, double pick,
+std::optional<Subsurface::Entry> Subsurface::sample(const Vec3& position, const Rgb& color,
+                                                    const Vec3& normal, double choice,
+                                                    const std::array<double, 2>& point, double pick,
                                                     std::uint64_t& rays) const {
   const Place exit = placeAt(position, color);
   Eigen::Matrix3d axes;
@@ -191,8 +191,8 @@ std::optional<Subsurface::Entry> Subsurface::sample(const Vec3& position, const 
     hit.u = static_cast<float>(root * (1 - point[1]));
     hit.v = static_cast<float>(root * point[1]);
     const Place place = placeOf(hit);
-    return Entry{hit, reflectance(exit, place) /
-                          density(position, axes, place.position, normalOf(hit.triangle))};
+    return Entry{hit,
+                 reflectance(exit, place) / density(position, axes, place.position, normalOf(hit.triangle))};
   }
   choice = (choice - kAreaShare) / (1 - kAreaShare);
   int axis = 0;

@@ -58,14 +58,15 @@ class Subsurface {
   };
   double density(const Vec3& from, const Eigen::Matrix3d& axes, const Vec3& to, const Vec3& normal) const;
   Vec3 normalOf(std::uint32_t triangle) const;
-  std::optional<Entry> alongLine(const Place& exit, const Eigen::Matrix3d& axes, int axis,
-                                 const Vec3& origin, double pick, std::uint64_t& rays) const;
+  std::optional<Entry> alongLine(const Place& exit, const Eigen::Matrix3d& axes, int axis, const Vec3& origin,
+                                 double pick, std::uint64_t& rays) const;
 
   const formats::TriangleMesh& mesh_;
   const transport::RayScene& rays_;
   std::vector<std::uint8_t> of_medium_;
   transport::MediumField field_;
-  std::vector<Profile> profiles_;        // of three colors: of the medium, and of its veins, or of the least and the greatest reflectance
+  std::vector<Profile>
+      profiles_;  // of three colors: of the medium, and of its veins, or of the least and the greatest reflectance
   std::vector<double> cumulative_area_;  // of the triangles of the medium, others have none
   double relative_ior_, extent_;
 };

@@ -143,15 +143,14 @@ TEST(Material, MayBeTranslucent) {
 }
 
 TEST(Material, MediumMayReflectTheAlbedo) {
-  const Materials painted = parsed(
-      R"({ "albedo": [0.2, 0.4, 0.6], "medium": { "name": "marble", "reflectance": "albedo" } })");
+  const Materials painted =
+      parsed(R"({ "albedo": [0.2, 0.4, 0.6], "medium": { "name": "marble", "reflectance": "albedo" } })");
   EXPECT_EQ(painted.base.medium->reflectance, ReflectanceSource::kAlbedo);
   EXPECT_THAT(problemWith(R"({ "medium": { "name": "marble", "reflectance": "mesh" } })"),
               AllOf(HasSubstr("/medium/reflectance"), HasSubstr("albedo")));
-  EXPECT_THAT(
-      problemWith(R"({ "medium": { "name": "cream", "reflectance": "albedo",
+  EXPECT_THAT(problemWith(R"({ "medium": { "name": "cream", "reflectance": "albedo",
                        "veins": { "name": "apple", "spacing": 3, "width": 0.5 } } })"),
-      AllOf(HasSubstr("/medium/reflectance"), HasSubstr("veins")));
+              AllOf(HasSubstr("/medium/reflectance"), HasSubstr("veins")));
   // What bakes the medium is baked anew for another albedo then, and only then.
   EXPECT_TRUE(toJson(painted, {"medium"})["material"].contains("albedo"));
   const Materials stained = parsed(R"({ "albedo": [0.2, 0.4, 0.6], "medium": { "name": "marble" } })");
@@ -175,17 +174,14 @@ TEST(Material, MediumMayReflectTheAlbedo) {
 
 // Beside a material that is stained: each vertex has the one or the other.
 TEST(Material, MediaThatReflectAndStainsGoTogether) {
-  TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {3, 0, 0}, {2, 1, 0}},
-                    {},
-                    {},
-                    {{0, 1, 2}, {3, 4, 5}}};
+  TriangleMesh mesh{
+      {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {3, 0, 0}, {2, 1, 0}}, {}, {}, {{0, 1, 2}, {3, 4, 5}}};
   mesh.triangle_materials = {0, 1};
   mesh.material_names = {"candy", "wood"};
-  const SurfaceMaterials surface = materialsOn(
-      mesh,
-      parsed(R"({ "materials": { "wood": { "albedo": [0.3, 0.2, 0.1] },
+  const SurfaceMaterials surface =
+      materialsOn(mesh, parsed(R"({ "materials": { "wood": { "albedo": [0.3, 0.2, 0.1] },
                   "candy": { "albedo": [0.9, 0.1, 0.1], "medium": { "name": "marble", "reflectance": "albedo" } } } })"),
-      "m.ply", "m.json");
+                  "m.ply", "m.json");
   EXPECT_EQ(surface.medium_reflectance[0], (Float3{0.9F, 0.1F, 0.1F}));
   EXPECT_EQ(surface.vertex_albedo[0], (Float3{1, 1, 1}));
   EXPECT_EQ(surface.medium_reflectance[3], (Float3{1, 1, 1}));

@@ -30,8 +30,8 @@ struct Plate {
 };
 
 // Relative RMSE over some receivers.
-inline double errorOf(const Plate& plate, const formats::Translucency& translucency, const formats::Medium& medium,
-               int square) {
+inline double errorOf(const Plate& plate, const formats::Translucency& translucency,
+                      const formats::Medium& medium, int square) {
   Knots knots = knotsOf(plate.mesh);
   Texels texels = texelsOf(plate.folder / "maps.exr", plate.mesh, knots);
   const transport::MediumField field(medium, plate.mesh);

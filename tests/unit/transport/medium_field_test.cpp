@@ -156,10 +156,9 @@ TEST(FieldOfAlbedo, OneColorIsTheUniformMedium) {
   EXPECT_TRUE(field.isUniform());
   EXPECT_FALSE(field.isOfSurface());
   for (std::size_t c = 0; c < 3; ++c) {
-    const ScatteringCoefficients own =
-        coefficientsOfReflectance(formats::DiffusionModel::kDipole,
-                                  static_cast<double>(square.mesh.colors[0][c]),
-                                  field.coefficients(c, 0).extinction(), 1.3);
+    const ScatteringCoefficients own = coefficientsOfReflectance(
+        formats::DiffusionModel::kDipole, static_cast<double>(square.mesh.colors[0][c]),
+        field.coefficients(c, 0).extinction(), 1.3);
     const DiffuseReflectance expected(formats::DiffusionModel::kDipole, own);
     EXPECT_EQ(field.reflectance(c, 0.3, {}), expected(0.3));
     EXPECT_NEAR(expected.total(), static_cast<double>(square.mesh.colors[0][c]), 1e-9);
@@ -218,9 +217,8 @@ TEST(FieldOfAlbedo, EndsHaveWhatIsAroundThemAsFarAsTheyAreApart) {
       EXPECT_EQ(one.share[c], other.share[c]);
     }
   // R_d of the mean, of each color.
-  const DiffuseReflectance mean(
-      formats::DiffusionModel::kDipole,
-      coefficientsOfReflectance(formats::DiffusionModel::kDipole, 0.5, 20, 1.3));
+  const DiffuseReflectance mean(formats::DiffusionModel::kDipole,
+                                coefficientsOfReflectance(formats::DiffusionModel::kDipole, 0.5, 20, 1.3));
   EXPECT_NEAR(field.reflectance(0, 0.1, field.along(near, far, 0.01)) / mean(0.1), 1, 0.01);
 }
 
