@@ -26,9 +26,9 @@ using transport::VertexFit;
 // Fixed sets of directions, in turn from sample to sample: errors of one set are like each other all over a smooth
 // surface, those of different sets cancel.
 constexpr std::uint32_t kTurns = 16;
-constexpr int kLeastDirections = 64;
+constexpr int kLeastDirections = 256;
 // Little enough to cost nothing (docs/NUMERICS.md), enough that no vertex is free.
-constexpr double kSmoothness = 0.003;
+constexpr double kSmoothness = 0.1;
 constexpr std::size_t kTrianglesPerBlock = 1024;
 // Cosine of the angle between the normals of a sample and of the original where it is looked at.
 constexpr double kFacing = 0.2;
