@@ -11,6 +11,7 @@
 
 #include "formats/frame_settings.h"
 #include "formats/json.h"
+#include "formats/triangle_mesh.h"
 #include "tools/report/timing.h"
 
 namespace bakelight::report {
@@ -27,6 +28,8 @@ struct PlanView {
   std::optional<double> windowing;                      // of formats::readLights
   bool windows_measured = false;  // for each pack that of least error (window.h); `windowing` is then 0
   formats::FrameSettings frame;
+  formats::Float3 ground_albedo = {0.5F, 0.5F,
+                                   0.5F};  // where a pack has a ground, and the reference shows it
   PlanFile reference;
 };
 

@@ -1,8 +1,12 @@
 #include "tools/report/renderer.h"
 
+#include <algorithm>
+
 #include "formats/mesh_ply.h"
+#include "formats/neighborhood.h"
 #include "transport/frame.h"
 #include "transport/near_light.h"
+#include "transport/neighborhood_shading.h"
 #include "transport/sh.h"
 
 namespace bakelight::report {
@@ -66,6 +70,31 @@ std::vector<Picture> Renderer::picturesOf(const formats::Pack& pack, const Light
                                  transport::interpolated(emitters.mesh.triangles, emitters.radiance)));
   }
   return pictures;
+}
+
+void Renderer::addGround(const formats::Pack& pack, std::size_t view, const Conditions& conditions,
+                         Picture& picture) const {
+  const auto* neighborhood = pack.neighborhood ? pack.neighborhood->as<formats::Neighborhood>() : nullptr;
+  if (neighborhood == nullptr || !neighborhood->ground) return;
+  transport::GroundShading ground(*neighborhood);
+  ground.setLight(
+      transport::ShRotation(neighborhood->order, conditions.object_from_light).apply(conditions.distant),
+      conditions.near);
+  const PlanView& of = plan_.views[view];
+  const Eigen::Matrix3d object_from_world = transport::worldFromObject(of.frame).transpose();
+  for (int y = 0; y < of.frame.height_px; ++y)
+    for (int x = 0; x < of.frame.width_px; ++x) {
+      const std::size_t pixel = static_cast<std::size_t>(y) * of.frame.width_px + x;
+      float* texel = &picture.linear.values[4 * pixel];
+      if (texel[3] > 0) continue;
+      const Vec3 direction =
+          cameras_[view].directionThrough(x + 0.5, y + 0.5, of.frame.width_px, of.frame.height_px);
+      const formats::Float4 seen =
+          ground.seen(conditions.eye, object_from_world * direction, of.ground_albedo);
+      if (seen[3] < 1) continue;
+      std::copy(seen.begin(), seen.end(), texel);
+      picture.covered[pixel] = 1;
+    }
 }
 
 double Renderer::exposure(const formats::TriangleMesh& mesh, const transport::LightNeeds& needs,

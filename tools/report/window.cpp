@@ -65,9 +65,14 @@ WindowChoice WindowFit::choose() const {
     errors[lambda] = errorAt(lambda);
   double least = std::numeric_limits<double>::infinity();
   for (const auto& [lambda, error] : errors) least = std::min(least, error.displayed);
+  const auto isLeast = [&](const WindowError& error) {
+    return error.displayed <= (1 + kWindowSlack) * least;
+  };
+  WindowChoice choice{0, errors.at(0), errors.at(0)};
+  if (isLeast(choice.without)) return choice;
   for (const auto& [lambda, error] : errors)
-    if (error.displayed <= (1 + kWindowSlack) * least) return {lambda, error, errors.at(0)};
-  return {0, errors.at(0), errors.at(0)};
+    if (isLeast(error)) choice.lambda = lambda, choice.error = error;
+  return choice;
 }
 
 std::optional<WindowedPictures> measureWindows(const formats::Pack& pack, const Plan& plan,
@@ -77,8 +82,9 @@ std::optional<WindowedPictures> measureWindows(const formats::Pack& pack, const 
   if (order == 0) return std::nullopt;
   std::vector<std::vector<Picture>> bands(plan.views.size());
   for (int band = 0; band < order; ++band) {
+    std::vector<Renderer::Conditions> conditions_of(bands.size());
     std::vector<Picture> pictures = renderer.picturesOf(
-        pack, [&](std::size_t, Renderer::Conditions conditions, transport::PackShading& shading) {
+        pack, [&](std::size_t view, Renderer::Conditions conditions, transport::PackShading& shading) {
           for (std::size_t i = 0; i < conditions.distant.size(); ++i) {
             const auto of = static_cast<int>(std::sqrt(static_cast<double>(i)));
             if (of != band) conditions.distant[i] = {0, 0, 0};
@@ -88,8 +94,12 @@ std::optional<WindowedPictures> measureWindows(const formats::Pack& pack, const 
             conditions.punctual.clear();
           }
           conditions.light(shading);
+          conditions_of[view] = std::move(conditions);
         });
-    for (std::size_t view = 0; view < bands.size(); ++view) bands[view].push_back(std::move(pictures[view]));
+    for (std::size_t view = 0; view < bands.size(); ++view) {
+      renderer.addGround(pack, view, conditions_of[view], pictures[view]);
+      bands[view].push_back(std::move(pictures[view]));
+    }
   }
   WindowedPictures result;
   result.pictures.resize(bands.size());

@@ -21,12 +21,13 @@ struct WindowError {
 };
 
 struct WindowChoice {
-  double lambda = 0;  // the least strength whose displayed error is the least but for kWindowSlack
+  // The greatest strength whose displayed error is the least but for kWindowSlack; 0 where no window is needed for that.
+  double lambda = 0;
   WindowError error;  // with it, over the views of the light
   WindowError without;
 };
-// Of the least error, relative: a stronger window that gains no more than that only takes contrast away.
-inline constexpr double kWindowSlack = 0.005;
+// Of the least error, relative: where errors are that alike, rings offend more than softness.
+inline constexpr double kWindowSlack = 0.05;
 
 // Pictures of one pack under one light, each band of the distant light by itself (near light goes with the first): a window is a weighted sum.
 class WindowFit {
@@ -52,7 +53,7 @@ struct WindowedPictures {
   std::vector<WindowChoice> windows;  // a view; those of one light are the same
 };
 // `exposures`: a view. Of the plan's views, which are taken to be without a window of their own; nothing for a pack that takes its light in another form than spherical
-// harmonics. Cost: a light change and a picture for each band and view.
+// harmonics. With the ground that a pack stands on, where the reference shows it, too. Cost: a light change and a picture for each band and view.
 std::optional<WindowedPictures> measureWindows(const formats::Pack& pack, const Plan& plan,
                                                Renderer& renderer, const std::vector<Reference>& truth,
                                                const std::vector<double>& exposures);

@@ -29,6 +29,8 @@ int main(int argc, char** argv) {
       .input("environment", "image", view.environment_path, "lat-long HDR light, as the player's", false)
       .input("lights", "light_rig", view.lights_path, "light rig, as the player's; adds up", false);
   stage::declareFrame(tool, view.frame);
+  tool.parameter("ground_albedo", view.ground_albedo, {0, 1}, "",
+                 "Of a pack that stands on a ground: what that reflects, red, green, blue");
   tool.executionPath(transport::RayScene::executionPath);
 
   return tool.run(argc, argv, [&](stage::Run& run) {
