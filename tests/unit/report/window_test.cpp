@@ -3,11 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "tests/unit/neighborhood/made_neighborhood.h"
 #include "tests/unit/report/made_report.h"
 #include "tools/report/evaluation.h"
+#include "transport/frame.h"
+#include "transport/neighborhood_shading.h"
 #include "transport/windowing.h"
 
 namespace bakelight::report {
@@ -95,6 +99,63 @@ TEST(MeasuredWindows, AreThoseThatThePlayerWouldShow) {
     EXPECT_NEAR(fixed.view_errors[view].rel_rmse, measured.view_errors[view].rel_rmse, 1e-5);
     EXPECT_NEAR(fixed.view_errors[view].rel_rmse, measured.windows[view].choice.error.radiance, 1e-5);
   }
+}
+
+formats::Pack onGround(formats::Pack pack) {
+  pack.neighborhood = formats::PackPart(
+      tests::groundOf(pack.mesh, tests::unshadowedLight(pack.mesh, pack.sh().order, {0.5F, 0.5F, 0.5F})));
+  return pack;
+}
+
+// A ground is seen where the object is not, as it is lit; what the reference does not show of it does not count.
+TEST(MeasuredWindows, GroundIsPartOfThePicture) {
+  const formats::Pack pack = onGround(madeGlossyPack(4));
+  MadeReport made(madeGlossyPack(8));
+  made.addVariant("ground", Json::object(), pack);
+  made.addVariant("none", Json::object(), madeGlossyPack(4));
+  for (Json& view : made.json["views"]) view["windowing"] = "measured";
+  const Plan plan = made.plan();
+  const Sources sources = made.sources();
+  const Evaluation evaluation = Evaluator(plan, sources).evaluate(1, [] {});
+  for (std::size_t view = 0; view < 2; ++view)
+    EXPECT_EQ(evaluation.variants[0].windows[view].choice.error.displayed,
+              evaluation.variants[1].windows[view].choice.error.displayed);
+
+  const PlanView& view = plan.views[0];
+  const transport::OrbitCamera camera =
+      transport::frameCamera(view.frame, transport::boundingSphere(pack.mesh));
+  Renderer renderer(plan, {camera, camera}, sources);
+  Renderer::Conditions conditions;
+  Picture picture =
+      renderer
+          .picturesOf(pack,
+                      [&](std::size_t of, const Renderer::Conditions& its, transport::PackShading& shading) {
+                        if (of == 0) conditions = its;
+                        its.light(shading);
+                      })
+          .front();
+  const Picture object = picture;
+  renderer.addGround(pack, 0, conditions, picture);
+  transport::GroundShading ground(*pack.neighborhood->as<formats::Neighborhood>());
+  ground.setLight(transport::ShRotation(4, transport::worldFromLight(view.frame)).apply(conditions.distant),
+                  {});
+  std::size_t ground_pixels = 0;
+  for (std::size_t pixel = 0; pixel < picture.covered.size(); ++pixel) {
+    const float* now = &picture.linear.values[4 * pixel];
+    const float* before = &object.linear.values[4 * pixel];
+    if (before[3] > 0 || picture.covered[pixel] == 0) {
+      EXPECT_TRUE(std::equal(now, now + 4, before)) << pixel;
+      continue;
+    }
+    ++ground_pixels;
+    const auto x = static_cast<double>(pixel % static_cast<std::size_t>(view.frame.width_px)),
+               y = static_cast<double>(pixel / static_cast<std::size_t>(view.frame.width_px));
+    const formats::Float4 right = ground.seen(
+        camera.eye(), camera.directionThrough(x + 0.5, y + 0.5, view.frame.width_px, view.frame.height_px),
+        {0.5F, 0.5F, 0.5F});
+    for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(now[c], right[c], 1e-5);
+  }
+  EXPECT_GT(ground_pixels, 300u);
 }
 
 }  // namespace
