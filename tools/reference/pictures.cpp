@@ -447,29 +447,29 @@ class TriangleTracer {
   std::vector<std::uint32_t> first_copy_;
 };
 
+template <class Tracer>
+Picture pictureBy(Tracer& tracer, std::size_t elements, const Effort& effort, stage::ProgressStyle progress) {
+  const RoundsReport report = runRounds(
+      elements, effort,
+      [&](std::size_t element, int first, int end) { return tracer.trace(element, first, end); },
+      [&] { return tracer.relativeError(); }, progress);
+  Picture picture = tracer.picture();
+  picture.report = report;
+  return picture;
+}
+
 }  // namespace
 
 Picture tracePixels(const Scene& scene, const PathTracer& tracer, const View& view, const Effort& effort,
                     std::uint64_t seed, stage::ProgressStyle progress) {
   PixelTracer pixels(scene, tracer, view, seed);
-  const RoundsReport report = runRounds(
-      pixels.pixelCount(), effort,
-      [&](std::size_t pixel, int first, int end) { return pixels.trace(pixel, first, end); },
-      [&] { return pixels.relativeError(); }, progress);
-  Picture picture = pixels.picture();
-  picture.report = report;
-  return picture;
+  return pictureBy(pixels, pixels.pixelCount(), effort, progress);
 }
 
 Picture traceVertices(const Scene& scene, const PathTracer& tracer, const View& view, const Effort& effort,
                       std::uint64_t seed, stage::ProgressStyle progress) {
   VertexTracer vertices(scene, tracer, view, seed);
-  const RoundsReport report = runRounds(
-      vertices.seenCount(), effort,
-      [&](std::size_t place, int first, int end) { return vertices.trace(place, first, end); },
-      [&] { return vertices.relativeError(); }, progress);
-  Picture picture = vertices.picture();
-  picture.report = report;
+  Picture picture = pictureBy(vertices, vertices.seenCount(), effort, progress);
   picture.report.counts.rays += vertices.cameraRays();
   return picture;
 }
@@ -477,12 +477,7 @@ Picture traceVertices(const Scene& scene, const PathTracer& tracer, const View& 
 Picture traceTriangles(const Scene& scene, const PathTracer& tracer, const View& view, const Effort& effort,
                        std::uint64_t seed, stage::ProgressStyle progress) {
   TriangleTracer triangles(scene, tracer, view, seed);
-  const RoundsReport report = runRounds(
-      triangles.triangleCount(), effort,
-      [&](std::size_t place, int first, int end) { return triangles.trace(place, first, end); },
-      [&] { return triangles.relativeError(); }, progress);
-  Picture picture = triangles.picture();
-  picture.report = report;
+  Picture picture = pictureBy(triangles, triangles.triangleCount(), effort, progress);
   picture.report.counts.rays += triangles.cameraRays();
   return picture;
 }
