@@ -73,7 +73,7 @@ std::vector<Picture> Renderer::picturesOf(const formats::Pack& pack, const Light
 }
 
 void Renderer::addGround(const formats::Pack& pack, std::size_t view, const Conditions& conditions,
-                         Picture& picture) const {
+                         const Picture& reference, Picture& picture) const {
   const auto* neighborhood = pack.neighborhood ? pack.neighborhood->as<formats::Neighborhood>() : nullptr;
   if (neighborhood == nullptr || !neighborhood->ground) return;
   transport::GroundShading ground(*neighborhood);
@@ -86,7 +86,7 @@ void Renderer::addGround(const formats::Pack& pack, std::size_t view, const Cond
     for (int x = 0; x < of.frame.width_px; ++x) {
       const std::size_t pixel = static_cast<std::size_t>(y) * of.frame.width_px + x;
       float* texel = &picture.linear.values[4 * pixel];
-      if (texel[3] > 0) continue;
+      if (texel[3] > 0 || reference.covered[pixel] == 0) continue;
       const Vec3 direction =
           cameras_[view].directionThrough(x + 0.5, y + 0.5, of.frame.width_px, of.frame.height_px);
       const formats::Float4 seen =

@@ -47,10 +47,10 @@ class Renderer {
   using LightUp = std::function<void(std::size_t view, const Conditions&, transport::PackShading&)>;
   std::vector<Picture> picturesOf(const formats::Pack& pack, const LightUp& light = {});
 
-  // In place of empty pixels of that picture of a pack, the ground that it stands on where that is opaque, under the conditions' light; nothing for a pack that
-  // has none.
+  // In place of empty pixels of that picture of a pack that `reference` covers, the ground that it stands on where that is opaque, under the conditions' light; nothing for a
+  // pack that has none.
   void addGround(const formats::Pack& pack, std::size_t view, const Conditions& conditions,
-                 Picture& picture) const;
+                 const Picture& reference, Picture& picture) const;
 
   // The player's factor on radiance in that view (transport::exposureFactor).
   double exposure(const formats::TriangleMesh& mesh, const transport::LightNeeds& needs, std::size_t view);

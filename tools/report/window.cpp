@@ -97,7 +97,7 @@ std::optional<WindowedPictures> measureWindows(const formats::Pack& pack, const 
           conditions_of[view] = std::move(conditions);
         });
     for (std::size_t view = 0; view < bands.size(); ++view) {
-      renderer.addGround(pack, view, conditions_of[view], pictures[view]);
+      renderer.addGround(pack, view, conditions_of[view], truth[view].picture, pictures[view]);
       bands[view].push_back(std::move(pictures[view]));
     }
   }

@@ -117,9 +117,13 @@ TEST(MeasuredWindows, GroundIsPartOfThePicture) {
   const Plan plan = made.plan();
   const Sources sources = made.sources();
   const Evaluation evaluation = Evaluator(plan, sources).evaluate(1, [] {});
-  for (std::size_t view = 0; view < 2; ++view)
+  for (std::size_t view = 0; view < 2; ++view) {
     EXPECT_EQ(evaluation.variants[0].windows[view].choice.error.displayed,
               evaluation.variants[1].windows[view].choice.error.displayed);
+    EXPECT_EQ(evaluation.variants[0].view_errors[view].coverage_error,
+              evaluation.variants[1].view_errors[view].coverage_error);
+    EXPECT_EQ(evaluation.variants[0].view_errors[view].flip, evaluation.variants[1].view_errors[view].flip);
+  }
 
   const PlanView& view = plan.views[0];
   const transport::OrbitCamera camera =
@@ -135,7 +139,11 @@ TEST(MeasuredWindows, GroundIsPartOfThePicture) {
                       })
           .front();
   const Picture object = picture;
-  renderer.addGround(pack, 0, conditions, picture);
+  Picture reference = picture;
+  renderer.addGround(pack, 0, conditions, reference, picture);
+  EXPECT_EQ(picture.linear.values, object.linear.values) << "the reference shows the object alone";
+  reference.covered.assign(reference.covered.size(), 1);
+  renderer.addGround(pack, 0, conditions, reference, picture);
   transport::GroundShading ground(*pack.neighborhood->as<formats::Neighborhood>());
   ground.setLight(transport::ShRotation(4, transport::worldFromLight(view.frame)).apply(conditions.distant),
                   {});
