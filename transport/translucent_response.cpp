@@ -13,15 +13,6 @@ namespace {
 constexpr int kSide = formats::kKernelSide, kReach = kSide / 2;
 constexpr std::size_t kValues = std::size_t{3} * formats::kKernelTexels;
 
-using Four = Eigen::Array4f;
-
-std::vector<Four> paddedColors(std::span<const Float3> colors) {
-  std::vector<Four> padded;
-  padded.reserve(colors.size());
-  for (const Float3& color : colors) padded.emplace_back(color[0], color[1], color[2], 0);
-  return padded;
-}
-
 std::vector<std::uint32_t> words(const formats::IntegerArray& list) {
   const auto span = formats::wordsOf(list);
   return {span.begin(), span.end()};
@@ -37,7 +28,10 @@ TranslucentResponse::Matrix TranslucentResponse::decoded(const formats::SparseRo
 
 // An entry is one product of four numbers, of which the last means nothing; four sums, so that none waits for the other.
 std::vector<Float3> TranslucentResponse::Matrix::times(std::span<const Float3> x) const {
-  const std::vector<Four> padded = paddedColors(x);
+  using Four = Eigen::Array4f;
+  std::vector<Four> padded;
+  padded.reserve(x.size());
+  for (const Float3& value : x) padded.emplace_back(value[0], value[1], value[2], 0);
   std::vector<Float3> y(ends.size());
   const auto product = [&](std::size_t e) -> Four {
     const Four& from = padded[columns[e]];
@@ -87,15 +81,16 @@ std::vector<Float3> TranslucentResponse::interpolated(std::span<const Float3> at
 std::vector<Float3> TranslucentResponse::atKnots(std::span<const Float3> entering) const {
   if (entering.size() != texels_.size()) throw std::invalid_argument("light is not one value a texel");
   std::vector<Float3> power(gifts_.ends.size()), given(gifts_.ends.size());
-  const std::vector<Four> light = paddedColors(entering);
   tbb::parallel_for(std::size_t{0}, gifts_.ends.size(), [&](std::size_t k) {
-    Four e = Four::Zero(), d = Four::Zero();
+    Float3 e{}, d{};
     for (std::size_t g = k == 0 ? 0 : gifts_.ends[k - 1]; g < gifts_.ends[k]; ++g) {
       const Gift& gift = gifts_.gifts[g];
-      e += gift.power() * light[gift.texel];
-      d += Eigen::Map<const Four>(gift.shares.data()) * light[gift.texel];  // the last means nothing
+      for (std::size_t c = 0; c < 3; ++c) {
+        e[c] += gift.power * entering[gift.texel][c];
+        d[c] += gift.blend[c] * entering[gift.texel][c];
+      }
     }
-    power[k] = {e[0], e[1], e[2]}, given[k] = {d[0], d[1], d[2]};
+    power[k] = e, given[k] = d;
   });
   const auto add = [](std::vector<Float3>& to, const std::vector<Float3>& from) {
     for (std::size_t i = 0; i < to.size(); ++i)

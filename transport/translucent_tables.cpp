@@ -103,8 +103,8 @@ Gifts giftsOf(const formats::Translucency& t) {
   Gifts result{{next.begin() + 1, next.end()}, std::vector<Gift>(next.back())};
   forEach([&](std::size_t i, std::size_t k) {
     const float* b = &blend[9 * i + 3 * k];
-    result.gifts[next[knots[3 * i + k]]++] = {{b[0], b[1], b[2], weights[i][k] * areas[i]},
-                                              static_cast<std::uint32_t>(i)};
+    result.gifts[next[knots[3 * i + k]]++] = {
+        static_cast<std::uint32_t>(i), weights[i][k] * areas[i], {b[0], b[1], b[2]}};
   });
   return result;
 }

@@ -1,7 +1,6 @@
 // What the CPU and the GPU make of a translucent object's tables (formats/translucency.h) before they play it.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -18,13 +17,11 @@ void requireFit(const formats::Translucency& translucency);
 // With values at their precision; columns ascend in each row. `columns`: of the matrix.
 formats::SparseRows transposed(const formats::SparseRows& rows, std::size_t columns);
 
-// What a texel gives to a knot: to d its blend, red, green and blue, and to e its weight times its area. Together, so that a product takes four
-// numbers at a time.
+// What a texel gives to a knot: to e its weight times its area, to d its blend.
 struct Gift {
-  std::array<float, 4> shares;
   std::uint32_t texel;
-
-  float power() const { return shares[3]; }
+  float power;
+  formats::Float3 blend;
 };
 // By knot: that of k has [ends[k − 1], ends[k]), texels ascending.
 struct Gifts {

@@ -56,7 +56,7 @@ std::vector<std::uint32_t> verticesOf(const Translucency& translucency) {
 Buffer giftBuffer(const transport::Gifts& gifts) {
   std::vector<float> values;
   for (const transport::Gift& gift : gifts.gifts)
-    values.insert(values.end(), {gift.power(), gift.shares[0], gift.shares[1], gift.shares[2]});
+    values.insert(values.end(), {gift.power, gift.blend[0], gift.blend[1], gift.blend[2]});
   const formats::EncodedTable halves =
       formats::encodeTable(values, 4, formats::Precision::kFloat16, "", "what texels give to knots");
   std::vector<std::array<std::uint32_t, 3>> packed(gifts.gifts.size());
