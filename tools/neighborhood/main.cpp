@@ -57,6 +57,9 @@ formats::EncodedTable tableOf(const neighborhood::Table& baked, std::size_t colu
   return formats::encodeTable(baked.values, columns, formats::Precision::kFloat32, "neighborhood", "table");
 }
 
+// Of the light at the ground's border, from which on its end is seen in a shadow.
+constexpr double kSeenChange = 0.03;
+
 // The largest share of an even sky's light that a row takes away or adds; of the open plane's irradiance, or of all light at a point.
 double largestChange(const neighborhood::Table& table, std::size_t columns, std::size_t block,
                      const auto& isAsked) {
@@ -108,6 +111,17 @@ int main(int argc, char** argv) {
     const auto size = static_cast<std::size_t>(emitted.order) * static_cast<std::size_t>(emitted.order);
     const std::size_t columns = static_cast<std::size_t>(emitted.channels) * size;
 
+    // A pack's file ends at 4 GiB, and all of a table is held at once.
+    const auto requireRoom = [&](std::size_t points, std::size_t row, const std::string& parameter) {
+      constexpr double kMostBytes = 4.0 * (std::size_t{1} << 30);
+      const double bytes = static_cast<double>(points) * static_cast<double>(row * sizeof(float));
+      if (bytes > kMostBytes)
+        throw badInput({"", "", "/" + parameter},
+                       std::to_string(points) + " points would take " +
+                           std::to_string(static_cast<std::uint64_t>(bytes / 1e9)) + " GB",
+                       "at most 4 GiB", "fewer cells, or transfer of a lower order");
+    };
+
     formats::Neighborhood result;
     result.order = emitted.order;
     result.channels = emitted.channels;
@@ -116,6 +130,7 @@ int main(int argc, char** argv) {
       const neighborhood::GroundGrid grid =
           neighborhood::groundGrid(mesh, bounds, settings.ground_cells, settings.ground_reach);
       const std::size_t across = grid.x.size(), points = across * grid.z.size();
+      requireRoom(points, columns, "ground_cells");
       stage::Progress progress = run.progress("ground", points, "points");
       const neighborhood::Table baked =
           neighborhood::groundTransfer(mesh, emitted, grid, settings.options, progress);
@@ -123,14 +138,20 @@ int main(int argc, char** argv) {
       rays += baked.rays;
       run.stat("ground_points", points);
       run.stat("ground_bytes", points * columns * sizeof(float));
-      run.stat("ground_edge_change", largestChange(baked, columns, size, [&](std::size_t row) {
-                 const std::size_t x = row % across;
-                 return x == 0 || x + 1 == across || row < across || row + across >= points;
-               }));
+      const double edge_change = largestChange(baked, columns, size, [&](std::size_t row) {
+        const std::size_t x = row % across;
+        return x == 0 || x + 1 == across || row < across || row + across >= points;
+      });
+      run.stat("ground_edge_change", edge_change);
+      if (edge_change > kSeenChange)
+        run.warn("the ground ends where the object still changes " +
+                 std::to_string(std::lround(100 * edge_change)) +
+                 " % of the light on it, so its shadow is cut off: raise ground_reach");
     }
     if (settings.volume_cells > 0) {
       auto axes = neighborhood::volumeGrid(mesh, bounds, settings.volume_cells, settings.volume_reach);
       const std::size_t points = axes[0].size() * axes[1].size() * axes[2].size();
+      requireRoom(points, formats::kReceivedCoefficients * columns, "volume_cells");
       stage::Progress progress = run.progress("volume", points, "points");
       const neighborhood::Table baked =
           neighborhood::volumeTransfer(mesh, emitted, axes, settings.options, progress);

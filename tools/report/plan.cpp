@@ -155,6 +155,10 @@ Plan planFromJson(const formats::Json& json, const std::string& file) {
   for (const JsonReader& view : root.items("views")) plan.views.push_back(viewOf(view));
   if (plan.views.empty()) throw root.at("views").error("there is no view", "at least one");
   requireDifferentNames(plan.views, root.at("views"));
+  for (const PlanView& view : plan.views)
+    if (view.windows_measured != plan.views.front().windows_measured)
+      throw root.at("views").error("\"windowing\" is measured in some views, and not in others",
+                                   "\"measured\" in all views, or in none");
   for (const JsonReader& variant : root.items("variants"))
     plan.variants.push_back(variantOf(variant, plan.views.size()));
   if (plan.variants.empty()) throw root.at("variants").error("there is no variant", "at least one");

@@ -38,6 +38,7 @@ Picture WindowFit::pictureAt(std::size_t view, double lambda) const {
 
 WindowError WindowFit::errorAt(double lambda) const {
   std::vector<double> displayed, radiance;
+  std::size_t pixels = 0;
   for (std::size_t view = 0; view < views_.size(); ++view) {
     const auto& [truth, bands, exposure] = views_[view];
     Picture picture = pictureAt(view, lambda);
@@ -54,9 +55,11 @@ WindowError WindowFit::errorAt(double lambda) const {
       }
     }
     displayed.push_back(square > 0 ? std::sqrt(difference / square) : 0);
-    radiance.push_back(viewErrors(truth, {std::move(picture), {}}, truth.picture).relativeRmse());
+    const ViewErrors errors = viewErrors(truth, {std::move(picture), {}}, truth.picture);
+    radiance.push_back(errors.relativeRmse());
+    pixels += errors.pixels;
   }
-  return {rootMeanSquare(displayed), rootMeanSquare(radiance)};
+  return {rootMeanSquare(displayed), rootMeanSquare(radiance), pixels};
 }
 
 WindowChoice WindowFit::choose() const {

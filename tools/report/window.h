@@ -17,7 +17,8 @@ namespace bakelight::report {
 struct WindowError {
   // Root mean square of the difference of display-encoded colors at the player's exposure, relative to that of the reference: dark rings count as they are seen.
   double displayed = 0;
-  double radiance = 0;  // rel_rmse: of linear radiance, most of it in highlights
+  double radiance = 0;     // rel_rmse: of linear radiance, most of it in highlights
+  std::size_t pixels = 0;  // that count
 };
 
 struct WindowChoice {

@@ -41,6 +41,11 @@ int main(int argc, char** argv) {
     report::Evaluator evaluator(plan, sources);
     const std::optional<report::WindowChoice> choice = evaluator.windowOf(variant.pack, 0);
     const report::WindowChoice chosen = choice.value_or(report::WindowChoice());
+    if (choice && chosen.error.pixels == 0)
+      run.warn(
+          "no pixel of the picture sees the object wholly, so nothing was compared, and no window is set: "
+          "more pixels, or a nearer camera, would tell");
+    run.stat("pixels", chosen.error.pixels);
     run.stat("lambda", chosen.lambda);
     run.stat("error", chosen.error.displayed);
     run.stat("error_without", chosen.without.displayed);

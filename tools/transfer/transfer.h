@@ -42,7 +42,7 @@ struct TransferOptions {
   Glossy glossy = Glossy::kNone;
   int row_order = 5;         // SH bands of transferred radiance, 1–10
   Fit fit = Fit::kVertices;  // least squares not with glossy transfer
-  int samples = 8;           // least squares: a triangle, each of an eighth of the directions
+  int samples = 8;           // least squares: a triangle, each of an eighth of the directions, 256 at least
   // Least squares: what the samples are taken from, a finer mesh with normals, which the one that is baked stands for.
   // None: the latter. Not with bounces.
   const formats::TriangleMesh* original = nullptr;

@@ -132,7 +132,7 @@ void declare(stage::Tool& tool, TransferSettings& settings) {
           "Transfer as it is at the vertices, or what comes nearest, interpolated, to samples all over the "
           "triangles: less error of the same bytes; not of matrices")
       .parameter("samples", options.samples, {1, 4096}, "a triangle",
-                 "Least squares: each takes an eighth of the directions")
+                 "Least squares: each takes an eighth of the directions, 256 at least")
       .parameter("threshold", options.interreflection.threshold, {1e-6, 1}, "share of all light",
                  "Interreflected: bounces go on until less than this can be missing")
       .parameter("bounces", options.interreflection.bounces, {0, 1000}, "",

@@ -81,6 +81,12 @@ TEST(Plan, MistakesAreNamedWhereTheyStand) {
                {[](Json& j) { j["views"][0]["frame"]["widht"] = 3; }, "/views/0/frame/widht"},
                {[](Json& j) { j["views"][0]["reference"] = "truth.exr"; }, "/views/0/reference"},
                {[](Json& j) { j["views"][0]["windowing"] = "much"; }, "/views/0/windowing"},
+               {[](Json& j) {
+                  j["views"].push_back(j["views"][0]);
+                  j["views"][1]["name"] = "other";
+                  j["views"][1]["windowing"] = "measured";
+                },
+                "/views"},
                {[](Json& j) { j["variants"] = Json::object(); }, "/variants"},
                {[](Json& j) { j["variants"][0]["pack"].erase("hash"); }, "/variants/0/pack"},
                {[](Json& j) { j["variants"][0]["parameters"] = 4; }, "/variants/0/parameters"},
